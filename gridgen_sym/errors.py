@@ -1,0 +1,18 @@
+"""The one error type for bad input: it names the thing, what was expected, what came, and the repair."""
+
+from __future__ import annotations
+
+
+class GridgenError(ValueError):
+    """Input that gridgen_sym cannot use; the message says what is wrong with it and how to mend it."""
+
+
+class MissingExtraError(GridgenError, ImportError):
+    """An optional package is needed and not installed; the message gives the command that installs it."""
+
+    def __init__(self, purpose: str, extra: str, package: str) -> None:
+        """Say that `purpose` needs `package`, which the extra `extra` installs."""
+        super().__init__(
+            f"{purpose} needs the package '{package}', which is not installed: "
+            f"run  pip install 'gridgen-sym[{extra}]'"
+        )
