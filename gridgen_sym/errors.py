@@ -13,6 +13,5 @@ class MissingExtraError(GridgenError, ImportError):
     def __init__(self, purpose: str, extra: str, package: str) -> None:
         """Say that `purpose` needs `package`, which the extra `extra` installs."""
         super().__init__(
-            f"{purpose} needs the package '{package}', which is not installed: "
-            f"run  pip install 'gridgen-sym[{extra}]'"
+            f"{purpose} needs the package '{package}', which is not installed: run  pip install 'gridgen-sym[{extra}]'"
         )

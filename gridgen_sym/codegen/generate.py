@@ -1,0 +1,88 @@
+"""Write `generated/`, or check that it is what would be written."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from pathlib import Path
+
+from ..functionals import functional, functionals, is_builtin
+from ..functionals.definition import Functional
+from ..resources import resource_folder
+from ..symbolic.coordinates import Variant, s
+from ..symbolic.discrete import has_barrier
+from .kernel import Source
+from .programs import kernel
+from .render import LANGUAGES, render, render_document
+
+#: Files below `generated/` that nothing generates.
+_KEPT = ("README.md",)
+
+
+def committed_variants(definition: Functional) -> tuple[Variant, ...]:
+    """Return the variants whose kernels stand in `generated/`; others are generated when first used.
+
+    The weighted ones where the density itself names the weight, the regularised one where there is a barrier.
+    """
+    weighted: tuple[Variant, ...] = ("frozen", "differentiated") if s in definition.expression().free_symbols else ()
+    regularized: tuple[Variant, ...] = ("regularized",) if has_barrier(definition) else ()
+    return ("plain", *weighted, *regularized)
+
+
+def sources(definition: Functional, variants: tuple[Variant, ...]) -> Iterator[Source]:
+    """Yield the sources of a functional's kernels in every language."""
+    for variant in variants:
+        derived = kernel(definition, variant)
+        for language in LANGUAGES:
+            yield render(derived, language)
+
+
+def all_sources() -> Iterator[Source]:
+    """Yield every file of `generated/`: kernels of all built-in functionals, and their derived equations."""
+    for name in functionals():
+        if is_builtin(name):
+            definition = functional(name)
+            yield from sources(definition, committed_variants(definition))
+            yield render_document(definition)
+
+
+def write_generated(folder: Path | None = None) -> list[Path]:
+    """Write all files, remove those that nothing generates any more, and return the paths that changed."""
+    folder = folder or resource_folder("generated")
+    wanted = {folder / source.path: source.text for source in all_sources()}
+    changed = []
+    for path, text in wanted.items():
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8", newline="\n")
+            changed.append(path)
+    for path in _stale(folder, set(wanted)):
+        path.unlink()
+        changed.append(path)
+    return changed
+
+
+def check_generated(folder: Path | None = None) -> str:
+    """Return a unified diff from what stands in `generated/` to what would be written; empty where they agree."""
+    folder = folder or resource_folder("generated")
+    wanted = {folder / source.path: source.text for source in all_sources()}
+    parts = []
+    for path in sorted({*wanted, *_stale(folder, set(wanted))}):
+        old = path.read_text(encoding="utf-8") if path.exists() else ""
+        name = path.relative_to(folder).as_posix()
+        parts += difflib.unified_diff(
+            old.splitlines(keepends=True),
+            wanted.get(path, "").splitlines(keepends=True),
+            f"generated/{name} (committed)",
+            f"generated/{name} (derived now)",
+        )
+    return "".join(parts)
+
+
+def _stale(folder: Path, wanted: set[Path]) -> list[Path]:
+    return [
+        path
+        for language in (*LANGUAGES, "docs")
+        for path in sorted((folder / language).glob("*"))
+        if path.is_file() and path not in wanted and path.name not in _KEPT
+    ]

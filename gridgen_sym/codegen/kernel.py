@@ -1,0 +1,121 @@
+"""Kernels as data: a small language-free intermediate representation.
+
+A `Program` is straight-line arithmetic on doubles: assignments of expressions to names. It can express
+sums, products, whole and half powers, reciprocals, the functions of `FUNCTION_NAMES` and a choice between
+two values by the sign of a third. It cannot express loops, arrays, integers, branches, calls of user code or
+anything that depends on more than one point of the grid: loops and neighbours belong to the templates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, Symbol
+
+from ..errors import GridgenError
+from ..functionals.metric import sympy_functions
+from ..symbolic.coordinates import Variant
+
+
+class reciprocal(sympy.Function):  # type: ignore[misc] # noqa: N801 - a SymPy function is named in lower case
+    """One division, 1/argument; what a negative power is lowered to."""
+
+    nargs = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """One name and its value, an expression in names assigned before and in the inputs."""
+
+    name: str
+    value: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """Straight-line arithmetic from inputs to outputs.
+
+    Attributes:
+        name: what it computes, for example `corner_gradient`.
+        inputs: names of its arguments, in order.
+        parameters: names of the functional's parameters, read from an array in this order.
+        outputs: names of its results, in order; each is assigned exactly once.
+        assignments: in the order of evaluation.
+        operations: number of additions, multiplications, divisions and function calls.
+    """
+
+    name: str
+    inputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    outputs: tuple[str, ...]
+    assignments: tuple[Assignment, ...]
+    operations: Mapping[str, int]
+
+    def __post_init__(self) -> None:
+        """Check that every name is assigned once, before its use, and every node can be printed."""
+        known = {*self.inputs, *self.parameters}
+        for assignment in self.assignments:
+            check_expressible(assignment.value)
+            unknown = {symbol.name for symbol in assignment.value.free_symbols} - known
+            if unknown or assignment.name in known:
+                raise AssertionError(f"{self.name}: {assignment} uses {unknown} or assigns twice")
+            known.add(assignment.name)
+        assert set(self.outputs) <= known, f"{self.name}: outputs {set(self.outputs) - known} are not assigned"
+
+
+@dataclass(frozen=True, slots=True)
+class Kernel:
+    """Everything that the templates need to print the kernels of one functional in one variant.
+
+    Attributes:
+        name: prefix of the functions and name of the file, for example `winslow` or `area_frozen`.
+        functional: name of the functional.
+        variant: how the weight enters, or `regularized`.
+        density: the formula, as text, for the header.
+        digest: of the definition that everything was derived from.
+        barrier: whether the energy is infinite where J = 0.
+        polyconvex: whether the semidefinite Hessian is so by derivation; else its eigenvalues are clamped.
+        programs: by name.
+    """
+
+    name: str
+    functional: str
+    variant: Variant
+    density: str
+    digest: str
+    barrier: bool
+    polyconvex: bool
+    programs: Mapping[str, Program]
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One generated file: its path below `generated/` and its text."""
+
+    path: str
+    text: str
+
+
+def check_expressible(expression: Expr) -> None:
+    """Refuse an expression that the intermediate representation cannot express.
+
+    Raises:
+        GridgenError: naming the part.
+    """
+    functions = tuple(set(sympy_functions().values()) - {sympy.sqrt})
+    for node in sympy.preorder_traversal(expression):
+        expressible = (
+            isinstance(node, (Symbol, sympy.Rational, sympy.Add, sympy.Mul, reciprocal, *functions))
+            or node in (sympy.pi, sympy.E, sympy.true)
+            or isinstance(node, (sympy.Piecewise, sympy.StrictGreaterThan, sympy.StrictLessThan))
+            or isinstance(node, sympy.functions.elementary.piecewise.ExprCondPair)
+            or (isinstance(node, sympy.Pow) and (2 * node.exp).is_integer)
+            or isinstance(node, (sympy.Pow, sympy.exp, sympy.sign))
+        )
+        if not expressible:
+            raise GridgenError(
+                f"no kernel can be generated from {node} (a {type(node).__name__}): write the density with "
+                f"+ - * / **, and {', '.join(sorted(sympy_functions()))}"
+            )

@@ -1,0 +1,116 @@
+"""Print the expressions of a `Program` as C or as NumPy; terms and factors in SymPy's canonical order."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+import sympy
+from sympy import Expr
+
+from .kernel import Program, reciprocal
+from .lower import LARGEST_PRODUCT
+
+
+class Printer(ABC):
+    """Prints the nodes that both languages write alike; subclasses say what differs."""
+
+    #: Names of functions in the language, by SymPy's name.
+    functions: Mapping[str, str] = {}
+
+    def program(self, program: Program) -> list[tuple[str, str]]:
+        """Return the program as (name, text of the value) pairs."""
+        self._parameters = {name: f"parameters[{k}]" for k, name in enumerate(program.parameters)}
+        return [(assignment.name, self.expression(assignment.value)) for assignment in program.assignments]
+
+    def expression(self, node: Expr) -> str:
+        """Return the text of an expression."""
+        if isinstance(node, sympy.Symbol):
+            return self._parameters.get(node.name, node.name)
+        if isinstance(node, sympy.Rational):
+            return f"{node.p}.0" if node.q == 1 else f"({node.p}.0/{node.q}.0)"
+        if node in (sympy.pi, sympy.E):
+            return repr(float(node))
+        if isinstance(node, sympy.Add):
+            return self._sum(node)
+        if isinstance(node, sympy.Mul):
+            return self._product(node)
+        if isinstance(node, reciprocal):
+            return f"1.0/{self._factor(node.args[0])}"
+        if isinstance(node, sympy.Pow):
+            return self._power(node)
+        if isinstance(node, sympy.Piecewise):
+            return self._choice(node)
+        name = self.functions[type(node).__name__]
+        return f"{name}({self.expression(node.args[0])})"
+
+    def _sum(self, node: sympy.Add) -> str:
+        # A positive term goes first where there is one: a - b reads and computes better than -b + a.
+        terms = sorted(node.as_ordered_terms(), key=lambda term: term.could_extract_minus_sign())
+        text = self.expression(terms[0])
+        for term in terms[1:]:
+            if term.could_extract_minus_sign():
+                text += f" - {self._factor(-term) if isinstance(-term, sympy.Add) else self.expression(-term)}"
+            else:
+                text += f" + {self.expression(term)}"
+        return text
+
+    def _product(self, node: sympy.Mul) -> str:
+        coefficient, rest = node.as_coeff_Mul()
+        if coefficient == -1:
+            return f"-{self._factor(rest)}"
+        factors = [] if coefficient == 1 else [self.expression(coefficient)]
+        return "*".join(factors + [self._factor(factor) for factor in rest.as_ordered_factors()])
+
+    def _power(self, node: sympy.Pow) -> str:
+        base, exponent = node.args
+        if exponent == sympy.Rational(1, 2):
+            return f"{self.functions['sqrt']}({self.expression(base)})"
+        if exponent.is_Integer and 2 <= exponent <= LARGEST_PRODUCT:
+            return "*".join([self._factor(base)] * int(exponent))
+        return self._general_power(self.expression(base), self.expression(exponent))
+
+    def _factor(self, node: Expr) -> str:
+        text = self.expression(node)
+        atomic = isinstance(node, (sympy.Symbol, sympy.Function)) and not isinstance(node, reciprocal)
+        return text if atomic or node in (sympy.pi, sympy.E) or (node.is_Integer and node > 0) else f"({text})"
+
+    @abstractmethod
+    def _general_power(self, base: str, exponent: str) -> str:
+        """Return a power that is not a small whole one."""
+
+    @abstractmethod
+    def _choice(self, node: sympy.Piecewise) -> str:
+        """Return the first value where its condition holds, else the second."""
+
+
+class CPrinter(Printer):
+    """Prints C99."""
+
+    functions: Mapping[str, str] = {
+        name: name for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan")
+    } | {"Abs": "fabs", "sign": "sign"}
+
+    def _general_power(self, base: str, exponent: str) -> str:
+        return f"pow({base}, {exponent})"
+
+    def _choice(self, node: sympy.Piecewise) -> str:
+        (first, condition), (second, _) = node.args
+        test = f"{self.expression(condition.lhs)} {condition.rel_op} {self.expression(condition.rhs)}"
+        return f"({test}) ? ({self.expression(first)}) : ({self.expression(second)})"
+
+
+class NumpyPrinter(Printer):
+    """Prints NumPy on arrays."""
+
+    functions: Mapping[str, str] = {
+        name: f"np.{name}" for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")
+    } | {"Abs": "np.abs", "sign": "np.sign", "atan": "np.arctan"}
+
+    def _general_power(self, base: str, exponent: str) -> str:
+        return f"({base})**({exponent})"
+
+    def _choice(self, node: sympy.Piecewise) -> str:
+        (first, condition), (second, _) = node.args
+        test = f"{self.expression(condition.lhs)} {condition.rel_op} {self.expression(condition.rhs)}"
+        return f"np.where({test}, {self.expression(first)}, {self.expression(second)})"

@@ -1,0 +1,143 @@
+"""Which programs a functional's kernels need, made from its derived equations."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+
+import sympy
+from sympy import Expr, Symbol
+
+from ..functionals.definition import Functional
+from ..symbolic.continuous import EulerLagrange, euler_lagrange, residual_slopes
+from ..symbolic.coordinates import (
+    FIRST_DERIVATIVES,
+    SECOND_DERIVATIVES,
+    J,
+    Variant,
+    s,
+    s_eta,
+    s_x,
+    s_xi,
+    s_xx,
+    s_xy,
+    s_y,
+    s_yy,
+)
+from ..symbolic.discrete import CornerModel, corner_model, has_barrier
+from .kernel import Kernel, Program
+from .lower import lower
+
+#: Planes of the weight array, by variant: the weight, and its derivatives where it is differentiated through.
+WEIGHT_PLANES: Mapping[Variant, tuple[Symbol, ...]] = {
+    "plain": (),
+    "frozen": (s,),
+    "differentiated": (s, s_x, s_y, s_xx, s_xy, s_yy),
+    "regularized": (),
+}
+
+
+def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
+    """Derive and lower every program of a functional in one variant."""
+    model = corner_model(functional, variant)
+    programs = _corner_programs(model)
+    if variant != "regularized":
+        programs += _euler_lagrange_programs(euler_lagrange(functional, variant), model.parameters)
+    return Kernel(
+        name=kernel_name(functional.name, variant),
+        functional=functional.name,
+        variant=variant,
+        density=str(functional.expression()),
+        digest=digest(functional),
+        barrier=has_barrier(functional),
+        polyconvex=model.splitting.holds,
+        programs={program.name: program for program in programs},
+    )
+
+
+def kernel_name(functional: str, variant: Variant) -> str:
+    """Return the prefix of the functions of a functional's variant, and the name of its file."""
+    return functional if variant == "plain" else f"{functional}_{variant}"
+
+
+def digest(functional: Functional) -> str:
+    """Return 16 hexadecimal digits that change with the definition."""
+    definition = (
+        sympy.srepr(functional.expression()),
+        functional.corner_factor,
+        tuple(functional.parameters),
+    )
+    return hashlib.sha256(repr(definition).encode()).hexdigest()[:16]
+
+
+def _corner_programs(model: CornerModel) -> list[Program]:
+    inputs = (*FIRST_DERIVATIVES, *WEIGHT_PLANES[model.variant])
+    energy: dict[str, Expr] = {"energy": model.energy, "jacobian": J}
+    gradient = energy | {f"d{k}": entry for k, entry in enumerate(model.gradient)}
+    if model.variant == "differentiated":
+        gradient |= {f"p{k}": entry for k, entry in enumerate(model.position_gradient)}
+    return [
+        lower("corner_energy", inputs, model.parameters, energy),
+        lower("corner_gradient", inputs, model.parameters, gradient),
+        lower("corner_hessian", inputs, model.parameters, gradient | _hessian_entries(model, model.hessian)),
+        lower(
+            "corner_semidefinite",
+            inputs,
+            model.parameters,
+            _matrix_entries(model.semidefinite_hessian if model.splitting.holds else model.hessian),
+        ),
+    ]
+
+
+def _matrix_entries(matrix: sympy.Matrix) -> dict[str, Expr]:
+    """Return the 10 entries of a symmetric 4x4 matrix by name, row by row of the upper triangle."""
+    return {f"h{row}{column}": matrix[row, column] for row in range(4) for column in range(row, 4)}
+
+
+def _hessian_entries(model: CornerModel, matrix: sympy.Matrix) -> dict[str, Expr]:
+    entries = _matrix_entries(matrix)
+    if model.variant == "differentiated":
+        entries |= {f"c{row}{k}": model.position_cross[row, k] for row in range(4) for k in range(2)}
+        entries |= {f"q{row}{k}": model.position_hessian[row, k] for row, k in ((0, 0), (0, 1), (1, 1))}
+    return entries
+
+
+def _euler_lagrange_programs(equations: EulerLagrange, parameters: tuple[Symbol, ...]) -> list[Program]:
+    """Return the programs of the residual, its slopes, and its frozen coefficients.
+
+    Where the system has been reduced to a simpler one with the same solutions, that one is solved.
+    """
+    weight = WEIGHT_PLANES[equations.variant] + ((s_xi, s_eta) if equations.variant == "frozen" else ())
+    inputs = (*FIRST_DERIVATIVES, *SECOND_DERIVATIVES, *weight)
+    system = equations.reduction.system if equations.reduction else equations.residual
+    residual = {"r_x": system[0], "r_y": system[1]}
+    slopes = {
+        f"{component}_{variable}": pair[row]
+        for variable, pair in residual_slopes(system).items()
+        for row, component in enumerate("xy")
+    }
+    second = {
+        key: value for key, value in slopes.items() if key[2:] in {str(variable) for variable in SECOND_DERIVATIVES}
+    }
+    position = _position_slopes(system) if equations.variant == "differentiated" else {}
+    return [
+        lower("residual", inputs, parameters, residual),
+        lower("residual_slopes", inputs, parameters, residual | slopes | position),
+        lower("residual_coefficients", inputs, parameters, residual | second),
+    ]
+
+
+def _position_slopes(system: tuple[Expr, Expr]) -> dict[str, Expr]:
+    """Return the derivatives of the residual in the node's own position, through the weight.
+
+    The third derivatives of the weight are left out: they would need ten planes of it, and Newton's method
+    converges, if a little slower, without them.
+    """
+    along = {"x": {s: s_x, s_x: s_xx, s_y: s_xy}, "y": {s: s_y, s_x: s_xy, s_y: s_yy}}
+    return {
+        f"{component}_{direction}": sum(
+            (sympy.diff(part, variable) * slope for variable, slope in chain.items()), sympy.S.Zero
+        )
+        for direction, chain in along.items()
+        for component, part in zip("xy", system, strict=True)
+    }

@@ -1,0 +1,89 @@
+"""Refuse densities that cannot be derived or evaluated, with what is wrong and how to mend it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from ..errors import GridgenError
+from .metric import DENSITY_NAMES, WEIGHT_NAME, symbol, sympy_functions
+
+if TYPE_CHECKING:
+    import sympy
+
+    from .definition import Functional
+
+# Edge vectors (x_xi, y_xi, x_eta, y_eta) of corners with J > 0 on which every density must be real and finite.
+_VALID_CORNERS = ((1, 0, 0, 1), (2, 1, -1, 1), (1, -1, 1, 3), (3, 0, 2, 1))
+
+
+def check_density(functional: Functional) -> None:
+    """Check that the density is a real, finite, printable expression in known symbols.
+
+    Raises:
+        GridgenError: naming the functional, the offending part and the repair.
+    """
+    density = functional.expression()
+    _check_symbols(functional, density)
+    _check_functions(functional, density)
+    for corner in _VALID_CORNERS:
+        _check_value(functional, density, corner)
+
+
+def _check_symbols(functional: Functional, density: sympy.Expr) -> None:
+    known = {symbol(name) for name in (*DENSITY_NAMES, *functional.parameters)}
+    unknown = sorted(str(s) for s in density.free_symbols - known)
+    if unknown:
+        raise GridgenError(
+            f"the density of functional {functional.name!r} uses the unknown symbol {unknown[0]!r}: write it in "
+            f"{', '.join(DENSITY_NAMES)}, or declare it as a parameter with a default value"
+        )
+    unused = [name for name in functional.parameters if symbol(name) not in density.free_symbols]
+    if unused:
+        raise GridgenError(
+            f"parameter {unused[0]!r} of functional {functional.name!r} is never used: drop it or use it"
+        )
+    if not any(symbol(name) in density.free_symbols for name in DENSITY_NAMES if name != WEIGHT_NAME):
+        raise GridgenError(
+            f"the density of functional {functional.name!r} is {density}: it does not depend on the grid"
+        )
+
+
+def _check_functions(functional: Functional, density: sympy.Expr) -> None:
+    import sympy
+
+    if density.has(sympy.I) or density.has(sympy.nan, sympy.oo, sympy.zoo):
+        raise GridgenError(f"the density of functional {functional.name!r} is not real and finite: {density}")
+    allowed = tuple(set(sympy_functions().values()) - {sympy.sqrt})
+    for part in sympy.preorder_traversal(density):
+        if isinstance(part, sympy.Function) and not isinstance(part, allowed):
+            raise GridgenError(
+                f"the density of functional {functional.name!r} uses {part.func.__name__}, for which there is no "
+                f"kernel: use {', '.join(sorted(sympy_functions()))}"
+            )
+
+
+def _check_value(functional: Functional, density: sympy.Expr, corner: tuple[int, int, int, int]) -> None:
+    value = density.subs(dict(sample_values(corner))).subs(
+        {symbol(name): default for name, default in functional.parameters.items()}
+    )
+    number = complex(value.evalf())
+    if abs(number.imag) > 1e-12 * abs(number) or not abs(number) < float("inf"):
+        raise GridgenError(
+            f"the density of functional {functional.name!r} is {value.evalf(6)} on the valid corner with edge vectors "
+            f"g1 = {corner[:2]}, g2 = {corner[2:]}, s = 1: it must be real and finite wherever J > 0"
+        )
+
+
+def sample_values(corner: tuple[int, int, int, int]) -> Iterator[tuple[Any, Any]]:
+    """Yield (symbol, exact value) of every name of the metric for a corner's edge vectors, with s = 1."""
+    import sympy
+
+    x_xi, y_xi, x_eta, y_eta = (sympy.Integer(value) for value in corner)
+    values = {
+        "x_xi": x_xi, "y_xi": y_xi, "x_eta": x_eta, "y_eta": y_eta, "s": sympy.Integer(1),
+        "g11": x_xi**2 + y_xi**2, "g22": x_eta**2 + y_eta**2, "g12": x_xi * x_eta + y_xi * y_eta,
+        "J": x_xi * y_eta - x_eta * y_xi,
+    }  # fmt: skip
+    for name, value in values.items():
+        yield symbol(name), value

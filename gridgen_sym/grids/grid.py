@@ -1,0 +1,181 @@
+"""The grid: node coordinates in two contiguous planes, checked once, and the Jacobians at its corners."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gridgen_sym.errors import GridgenError
+
+FloatArray = NDArray[np.float64]
+
+SMALLEST = 3  # Fewer nodes along an axis leave no free node.
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class Grid:
+    """A structured quadrilateral grid: an immutable value.
+
+    Axis 0 is xi (`ni` nodes), axis 1 is eta (`nj` nodes); the sides are ``bottom = xy[:, 0]``, ``top = xy[:,
+    -1]``, ``left = xy[0, :]`` and ``right = xy[-1, :]``. Two grids are equal when their shapes and all
+    coordinates are.
+
+    Attributes:
+        planes: read-only coordinates, shape (2, ni, nj), C order: first the plane of x, then that of y, so
+            that kernels run over unit stride.
+    """
+
+    planes: FloatArray
+
+    def __init__(self, xy: ArrayLike) -> None:
+        """Copy and check node coordinates.
+
+        Args:
+            xy: shape (ni, nj, 2), at least 3 x 3 nodes, real and finite.
+
+        Raises:
+            GridgenError: for another shape, a type that is no real number, or a NaN or infinite coordinate
+                (the message names the first such node).
+        """
+        array = real_array(xy, "a grid's node coordinates")
+        if array.ndim != 3 or array.shape[2] != 2:
+            raise GridgenError(
+                f"a grid's node coordinates must have the shape (ni, nj, 2), but came with {array.shape}: "
+                "stack x and y along the last axis, or use Grid.from_planes(x, y)"
+            )
+        self._store(np.moveaxis(array, -1, 0))
+
+    @classmethod
+    def from_planes(cls, x: ArrayLike, y: ArrayLike) -> Grid:
+        """Copy and check two planes of coordinates, each of shape (ni, nj).
+
+        Raises:
+            GridgenError: as for `Grid`, and when the two shapes differ.
+        """
+        px, py = real_array(x, "a grid's plane x"), real_array(y, "a grid's plane y")
+        if px.ndim != 2 or px.shape != py.shape:
+            raise GridgenError(
+                f"the planes x and y must have one shape (ni, nj), but came with {px.shape} and {py.shape}"
+            )
+        grid = object.__new__(cls)
+        grid._store(np.stack((px, py)))
+        return grid
+
+    def _store(self, planes: FloatArray) -> None:
+        """Keep a contiguous read-only copy of `planes` (2, ni, nj), once it is known to be a grid."""
+        planes = np.array(planes, dtype=np.float64, order="C", copy=True)
+        _, ni, nj = planes.shape
+        if min(ni, nj) < SMALLEST:
+            raise GridgenError(
+                f"a grid needs at least {SMALLEST} x {SMALLEST} nodes, but came with {ni} x {nj}: "
+                "with fewer it has no inner node to move"
+            )
+        bad = ~np.isfinite(planes).all(axis=0)
+        if bad.any():
+            i, j = (int(index) for index in np.argwhere(bad)[0])
+            raise GridgenError(
+                f"every node must be finite, but node ({i}, {j}) is ({planes[0, i, j]}, {planes[1, i, j]}), "
+                f"the first of {int(bad.sum())} such nodes: mend or interpolate them"
+            )
+        planes.setflags(write=False)
+        object.__setattr__(self, "planes", planes)
+
+    @property
+    def x(self) -> FloatArray:
+        """The x coordinates: a read-only view of shape (ni, nj)."""
+        plane: FloatArray = self.planes[0]
+        return plane
+
+    @property
+    def y(self) -> FloatArray:
+        """The y coordinates: a read-only view of shape (ni, nj)."""
+        plane: FloatArray = self.planes[1]
+        return plane
+
+    @property
+    def xy(self) -> FloatArray:
+        """The node coordinates: a new array of shape (ni, nj, 2), free to be changed."""
+        return np.stack((self.planes[0], self.planes[1]), axis=-1)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """The numbers of nodes (ni, nj) along xi and eta."""
+        _, ni, nj = self.planes.shape
+        return ni, nj
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write the grid to a file of the kind that the suffix names; see `gridgen_sym.grids.files.write`."""
+        from .files import write  # `files` imports this module.
+
+        write(self, path)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether `other` is a grid with the same coordinates."""
+        return np.array_equal(self.planes, other.planes) if isinstance(other, Grid) else NotImplemented
+
+    def __hash__(self) -> int:
+        """Agree with `==`, under which -0.0 and 0.0 are one number."""
+        return hash((self.shape, (self.planes + 0.0).tobytes()))
+
+    def __repr__(self) -> str:
+        """Say the size and the extent, not the thousands of numbers."""
+        (x0, x1), (y0, y1) = ((float(p.min()), float(p.max())) for p in self.planes)
+        ni, nj = self.shape
+        return f"Grid({ni} x {nj} nodes, x in [{x0:g}, {x1:g}], y in [{y0:g}, {y1:g}])"
+
+    def __reduce__(self) -> tuple[Callable[..., Grid], tuple[FloatArray, FloatArray]]:
+        """Pickle through the constructor, which restores the read-only flag that NumPy's pickling drops."""
+        return Grid.from_planes, (self.planes[0], self.planes[1])
+
+
+def real_array(values: ArrayLike, what: str) -> FloatArray:
+    """Return `values` as float64, or say which type came instead of real numbers.
+
+    Raises:
+        GridgenError: for ragged, complex, textual or otherwise non-numeric values; `what` names them.
+    """
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "biufO":  # A complex or a textual array would be converted by NumPy, lossily.
+            raise TypeError(f"numbers of type {array.dtype} came")
+        with np.errstate(over="ignore"):  # A too large long double becomes inf, which is reported as such.
+            return array.astype(np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise GridgenError(f"{what} must be an array of real numbers: {error}") from error
+
+
+def check_counts(ni: int, nj: int) -> None:
+    """Raise a `GridgenError` unless `ni` and `nj` are numbers of nodes that a grid can have."""
+    for axis, count in (("ni", ni), ("nj", nj)):
+        if not isinstance(count, int | np.integer) or count < SMALLEST:
+            raise GridgenError(f"{axis} must be a whole number of nodes, at least {SMALLEST}, but is {count!r}")
+
+
+def corner_jacobians(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return the Jacobian J = x_xi y_eta - x_eta y_xi at the four corners of every cell.
+
+    One-sided differences along increasing xi and eta, with unit steps in the index: J is twice the signed
+    area of the triangle at that corner, and all four are positive exactly when the cell is convex and not
+    turned over.
+
+    Args:
+        x: the x coordinates, shape (ni, nj).
+        y: the y coordinates, shape (ni, nj).
+
+    Returns:
+        An array of shape (4, ni-1, nj-1). For cell (i, j) the corners follow counter-clockwise, at the nodes
+        0: (i, j), 1: (i+1, j), 2: (i+1, j+1), 3: (i, j+1).
+    """
+    x_xi, y_xi = x[1:] - x[:-1], y[1:] - y[:-1]
+    x_eta, y_eta = x[:, 1:] - x[:, :-1], y[:, 1:] - y[:, :-1]
+    low, high = slice(None, -1), slice(1, None)
+    return np.stack(
+        [
+            x_xi[:, xi_edge] * y_eta[eta_edge] - x_eta[eta_edge] * y_xi[:, xi_edge]
+            for xi_edge, eta_edge in ((low, low), (low, high), (high, high), (high, low))
+        ]
+    )

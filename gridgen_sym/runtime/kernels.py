@@ -1,0 +1,240 @@
+"""The one object that solvers hold: the kernels of one functional, on one backend."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import GridgenError
+from ..functionals.definition import Functional
+from ..messages import say_once
+from .compiler import find_compiler
+from .load import Backend, Block, CompiledBackend, NumpyBackend, load_module
+from .sources import find_sources
+
+if TYPE_CHECKING:
+    from ..symbolic.coordinates import Variant
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.uint8]
+
+#: Number of planes of the stored half of the Hessian, and of the Jacobian of the Euler-Lagrange residual.
+HESSIAN_PLANES, JACOBIAN_PLANES = 19, 36
+#: Grids with fewer nodes are worked on by one thread: starting more would take longer.
+_NODES_PER_THREAD = 8192
+
+
+@dataclass(frozen=True, slots=True)
+class KernelSet:
+    """The kernels of one functional in one variant, with parameter values, on one backend.
+
+    Coordinates are arrays (2, ni, nj), C-contiguous: the planes x and y. `weight` is None, or an array
+    (len(weight_planes), ni, nj).
+
+    Attributes:
+        functional: its name.
+        variant: how the weight enters, or `regularized`.
+        backend: `c` or `numpy`.
+        barrier: whether the energy is infinite where J = 0.
+        polyconvex: whether the semidefinite Hessian is so by derivation, not by clamped eigenvalues.
+        weight_planes: names of the planes that `weight` must have.
+        operations: number of arithmetic operations of each program.
+    """
+
+    functional: str
+    variant: Variant
+    backend: str
+    barrier: bool
+    polyconvex: bool
+    weight_planes: tuple[str, ...]
+    operations: Mapping[str, int]
+    _parameters: Array
+    _functions: Mapping[str, Callable[..., None]]
+
+    def energy(
+        self, coordinates: Array, weight: Array | None = None, *, interior_only: bool = False
+    ) -> tuple[float, float]:
+        """Return the energy, summed over corners, and the smallest Jacobian of any corner."""
+        rows = np.empty((2, coordinates.shape[1] - 1))
+        self._call("energy", coordinates, weight, rows[0], rows[1], interior_only=interior_only)
+        return float(rows[0].sum()), float(rows[1].min())
+
+    def energy_gradient(
+        self, coordinates: Array, weight: Array | None = None, *, interior_only: bool = False
+    ) -> tuple[float, float, Array]:
+        """Return the energy, the smallest Jacobian, and the gradient (2, ni, nj) in all nodes."""
+        rows, gradient = np.empty((2, coordinates.shape[1] - 1)), np.empty_like(coordinates)
+        self._call("energy_gradient", coordinates, weight, rows[0], rows[1], gradient, interior_only=interior_only)
+        return float(rows[0].sum()), float(rows[1].min()), gradient
+
+    def hessian(
+        self,
+        coordinates: Array,
+        weight: Array | None = None,
+        *,
+        semidefinite: bool = False,
+        interior_only: bool = False,
+    ) -> Array:
+        """Return the stored half of the block Hessian, (19, ni, nj).
+
+        The block of node (i, j) with itself (xx, xy, yy), then with (i+1, j), (i, j+1), (i+1, j+1), (i+1, j-1)
+        (xx, xy, yx, yy each).
+        """
+        planes = np.empty((HESSIAN_PLANES, *coordinates.shape[1:]))
+        name = "semidefinite_hessian" if semidefinite else "hessian"
+        self._call(name, coordinates, weight, planes, interior_only=interior_only)
+        return planes
+
+    def sweep(
+        self,
+        coordinates: Array,
+        weight: Array | None,
+        fixed: Mask,
+        colour: int,
+        *,
+        keep_positive: bool,
+        interior_only: bool = False,
+    ) -> None:
+        """Move every free node of a colour (i % 2 + 2 (j % 2)) by one damped Newton step on its local energy, in place."""
+        self._call("sweep", coordinates, weight, fixed, colour, int(keep_positive), interior_only=interior_only)
+
+    def euler_lagrange_residual(
+        self, coordinates: Array, weight: Array | None = None, spacing: tuple[float, float] = (1.0, 1.0)
+    ) -> Array:
+        """Return the residual (2, ni, nj) of the equations, by central differences; zero at the boundary nodes."""
+        residual = np.zeros_like(coordinates)
+        self._call("euler_lagrange_residual", coordinates, weight, residual, spacing=spacing)
+        return residual
+
+    def euler_lagrange_jacobian(
+        self,
+        coordinates: Array,
+        weight: Array | None = None,
+        spacing: tuple[float, float] = (1.0, 1.0),
+        *,
+        frozen: bool = False,
+    ) -> Array:
+        """Return the derivatives (36, ni, nj) of the residual in the nodes of its stencil.
+
+        Nine blocks in the order (i-1, j-1), (i-1, j), ..., (i+1, j+1), each xx, xy, yx, yy (equation, then
+        coordinate). With `frozen`, the coefficients of the second derivatives are held.
+        """
+        jacobian = np.zeros((JACOBIAN_PLANES, *coordinates.shape[1:]))
+        name = "euler_lagrange_frozen_jacobian" if frozen else "euler_lagrange_jacobian"
+        self._call(name, coordinates, weight, jacobian, spacing=spacing)
+        return jacobian
+
+    def euler_lagrange_relaxation(
+        self,
+        coordinates: Array,
+        weight: Array | None,
+        fixed: Mask,
+        colour: int,
+        relaxation: float,
+        spacing: tuple[float, float] = (1.0, 1.0),
+    ) -> None:
+        """Relax the equations at every free node of a colour, with frozen coefficients, in place."""
+        self._call("euler_lagrange_relaxation", coordinates, weight, fixed, colour, relaxation, spacing=spacing)
+
+    def _call(
+        self,
+        name: str,
+        coordinates: Array,
+        weight: Array | None,
+        *arguments: Any,  # noqa: ANN401
+        interior_only: bool = False,
+        spacing: tuple[float, float] = (1.0, 1.0),
+    ) -> None:
+        _, ni, nj = coordinates.shape
+        shape = (len(self.weight_planes), ni, nj)
+        weight = np.empty(0) if weight is None else weight
+        if self.weight_planes and weight.shape != shape:
+            raise GridgenError(f"the weight of {self.functional} must have the shape {shape}; came {weight.shape}")
+        for array in (coordinates, weight, *arguments):
+            if isinstance(array, np.ndarray) and not array.flags.c_contiguous:
+                raise GridgenError(f"kernel {name} needs C-contiguous arrays")
+        threads = max(1, min(thread_count(), ni * nj // _NODES_PER_THREAD))
+        block = Block(ni, nj, 0, ni, nj, ni * nj, int(interior_only), threads, *spacing)
+        self._functions[name](block, coordinates, weight, self._parameters, *arguments)
+
+
+def kernels(
+    functional: Functional,
+    variant: Variant = "plain",
+    parameters: Mapping[str, float] | None = None,
+    backend: str | None = None,
+) -> KernelSet:
+    """Return the kernels of a functional.
+
+    Args:
+        functional: what to evaluate.
+        variant: how the weight enters, or `regularized` (then `parameters` must have `epsilon`).
+        parameters: values of the functional's parameters; defaults for those left out.
+        backend: `c` or `numpy`; by default GRIDGEN_SYM_BACKEND, else C where there is a compiler.
+
+    Raises:
+        GridgenError: for unknown parameters or backends, or if the compiler rejects the kernels.
+    """
+    given = dict(parameters or {})
+    extra = [given.pop("epsilon")] if variant == "regularized" else []
+    values = np.array([*functional.values(given).values(), *extra], dtype=float)
+    chosen = choose_backend(backend)
+    module, functions = _load(functional, variant, chosen.name)
+    return KernelSet(
+        functional=functional.name,
+        variant=variant,
+        backend=chosen.name,
+        barrier=module["BARRIER"],
+        polyconvex=module["POLYCONVEX"],
+        weight_planes=tuple(module["WEIGHT_PLANES"]),
+        operations=module["OPERATIONS"],
+        _parameters=values,
+        _functions=functions,
+    )
+
+
+_BACKENDS: dict[str, Backend] = {"c": CompiledBackend(), "numpy": NumpyBackend()}
+
+
+@lru_cache(maxsize=128)
+def _load(
+    functional: Functional, variant: Variant, backend: str
+) -> tuple[dict[str, Any], dict[str, Callable[..., None]]]:
+    c_path, numpy_path = find_sources(functional, variant)
+    module = load_module(numpy_path, numpy_path.read_text(encoding="utf-8"))
+    name = functional.name if variant == "plain" else f"{functional.name}_{variant}"
+    return module, _BACKENDS[backend].load(name, lambda: c_path.read_text(encoding="utf-8"), module)
+
+
+def choose_backend(name: str | None = None) -> Backend:
+    """Return the backend of this name; by default that of GRIDGEN_SYM_BACKEND, else compiled C, else NumPy.
+
+    Raises:
+        GridgenError: for an unknown name, or `c` where there is no compiler.
+    """
+    name = name or os.environ.get("GRIDGEN_SYM_BACKEND") or None
+    if name is not None and name not in _BACKENDS:
+        raise GridgenError(f"unknown backend {name!r}: GRIDGEN_SYM_BACKEND and backend= take 'c' or 'numpy'")
+    if name == "c" and find_compiler() is None:
+        raise GridgenError("the backend 'c' needs a C compiler: install one (cc, gcc or clang), or set CC to its path")
+    if name is None and find_compiler() is None:
+        say_once(
+            "no C compiler was found, so the slower NumPy backend is used; install one (Debian: apt install gcc; macOS: "
+            "xcode-select --install), or set GRIDGEN_SYM_BACKEND=numpy to silence this line"
+        )
+        name = "numpy"
+    return _BACKENDS[name or "c"]
+
+
+def thread_count() -> int:
+    """Return the number of threads for large grids: OMP_NUM_THREADS, else the processors that may be used."""
+    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    if wanted.isdigit() and int(wanted) > 0:
+        return int(wanted)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
