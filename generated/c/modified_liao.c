@@ -1248,13 +1248,13 @@ EXPORT void modified_liao_semidefinite_hessian(const Block *block, const double 
  */
 
 /* Edge vectors of a cell of node n placed at (px, py): a, b at the node; c, d opposite to them. */
-/* Energy with node (i, j) at (px, py); bit k of `positive` is set where the k-th of the 12 Jacobians is positive. */
+/* Energy with node (i, j) at (px, py), and the Jacobians of the 12 corners that contain it. */
 static double local_energy(const Block *block, int64_t i, int64_t j, double px, double py, const double *x, const double *y,
-                           const double *w, const double *parameters, unsigned *positive) {
+                           const double *w, const double *parameters, double jacobian[12]) {
   const int64_t stride = block->stride, plane = block->plane, n = i * stride + j;
   (void)w, (void)plane;
   double energy = 0.0;
-  *positive = 0;
+  for (int k = 0; k < 12; ++k) jacobian[k] = INFINITY;
   for (int cell = 0; cell < 4; ++cell) {
     const int sx = cell & 1 ? 1 : -1, sy = cell & 2 ? 1 : -1;
     const int64_t e = n + sx * stride, f = n + sy, o = n + sx * stride + sy;
@@ -1264,16 +1264,16 @@ static double local_energy(const Block *block, int64_t i, int64_t j, double px, 
     const int along_eta = !block->interior_only || (j + sy > 0 && j + sy < block->nj - 1);
     const corner_energy_values own = corner_energy(ax, ay, bx, by, parameters);
     energy += own.energy;
-    *positive |= (unsigned)(own.jacobian > 0.0) << (3 * cell);
+    jacobian[3 * cell] = own.jacobian;
     if (along_xi) {
       const corner_energy_values next = corner_energy(ax, ay, dx, dy, parameters);
       energy += next.energy;
-      *positive |= (unsigned)(next.jacobian > 0.0) << (3 * cell + 1);
+      jacobian[3 * cell + 1] = next.jacobian;
     }
     if (along_eta) {
       const corner_energy_values next = corner_energy(cx, cy, bx, by, parameters);
       energy += next.energy;
-      *positive |= (unsigned)(next.jacobian > 0.0) << (3 * cell + 2);
+      jacobian[3 * cell + 2] = next.jacobian;
     }
   }
   return energy;
@@ -1320,7 +1320,7 @@ static int descent_direction(const double g[2], const double h[3], double d[2]) 
   const double floor = 1e-10 * fmax(fabs(high), fabs(low));
   const double high_used = fmax(fabs(high), floor), low_used = fmax(fabs(low), floor);
   /* alpha h + beta 1 has the eigenvalues high_used and low_used. */
-  const double alpha = radius > 0.0 ? (high_used - low_used) / (high - low) : 0.0;
+  const double alpha = high > low ? (high_used - low_used) / (high - low) : 0.0;
   const double beta = high_used - alpha * high;
   const double hxx = alpha * h[0] + beta, hxy = alpha * h[1], hyy = alpha * h[2] + beta;
   const double determinant = high_used * low_used;
@@ -1330,23 +1330,30 @@ static int descent_direction(const double g[2], const double h[3], double d[2]) 
   return 1;
 }
 
+/* Whether a step takes a corner that was valid below the floor, or more than nine tenths of its Jacobian at once, after
+ * which nodes would jam against each other. */
+static int folds(const double before[12], const double after[12], double floor) {
+  for (int k = 0; k < 12; ++k)
+    if (before[k] > floor && !(after[k] > floor && after[k] > 0.1 * before[k])) return 1;
+  return 0;
+}
+
 static void sweep_row(const Block *block, int64_t i, int64_t colour, double *x, double *y, const double *w,
-                      const double *parameters, const uint8_t *fixed, int64_t keep_positive) {
+                      const double *parameters, const uint8_t *fixed, double floor) {
   for (int64_t j = 1 + ((colour >> 1) + 1) % 2; j < block->nj - 1; j += 2) {
     const int64_t n = i * block->stride + j;
     double g[2], h[3], d[2];
     if (fixed[i * block->nj + j]) continue;
     local_derivatives(block, i, j, x, y, w, parameters, g, h);
     if (!descent_direction(g, h, d)) continue;
-    unsigned positive, trial_positive;
-    const double energy = local_energy(block, i, j, x[n], y[n], x, y, w, parameters, &positive);
+    double before[12], after[12];
+    const double energy = local_energy(block, i, j, x[n], y[n], x, y, w, parameters, before);
     const double slope = g[0] * d[0] + g[1] * d[1], round_off = 8.0 * DBL_EPSILON * fabs(energy);
     double step = 1.0;
     for (int halving = 0; halving < 30; ++halving, step *= 0.5) {
       const double px = x[n] + step * d[0], py = y[n] + step * d[1];
-      const double trial = local_energy(block, i, j, px, py, x, y, w, parameters, &trial_positive);
-      const int folds = keep_positive && (positive & ~trial_positive);
-      if (trial <= energy + 1e-4 * step * slope + round_off && !folds) {
+      const double trial = local_energy(block, i, j, px, py, x, y, w, parameters, after);
+      if (trial <= energy + 1e-4 * step * slope + round_off && !(floor >= 0.0 && folds(before, after, floor))) {
         x[n] = px, y[n] = py;
         break;
       }
@@ -1355,16 +1362,16 @@ static void sweep_row(const Block *block, int64_t i, int64_t colour, double *x, 
 }
 
 static void sweep_rows(const Block *block, int64_t first, int64_t last, int64_t colour, double *x, double *y,
-                       const double *w, const double *parameters, const uint8_t *fixed, int64_t keep_positive) {
+                       const double *w, const double *parameters, const uint8_t *fixed, double floor) {
   for (int64_t i = larger(first, 1); i < smaller(last, block->ni - 1); ++i)
-    if (i % 2 == colour % 2) sweep_row(block, i, colour, x, y, w, parameters, fixed, keep_positive);
+    if (i % 2 == colour % 2) sweep_row(block, i, colour, x, y, w, parameters, fixed, floor);
 }
 
-/* Nodes of one colour (i % 2 + 2 (j % 2)) share no corner, so they may move at once. */
+/* Nodes of one colour (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold. */
 EXPORT void modified_liao_sweep(const Block *block, double *coordinates, const double *weight, const double *parameters,
-                 const uint8_t *fixed, int64_t colour, int64_t keep_positive) {
+                 const uint8_t *fixed, int64_t colour, double floor) {
   FOR_ROWS(sweep_rows(block, first, last, colour, coordinates, coordinates + block->plane, weight, parameters, fixed,
-                      keep_positive))
+                      floor))
 }
 
 /* ---- Euler-Lagrange equations by central differences, at the nodes inside the block ---- */

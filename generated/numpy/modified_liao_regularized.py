@@ -18,6 +18,7 @@ FUNCTIONAL = 'modified_liao'
 VARIANT = 'regularized'
 DIGEST = '377b543071829950'
 BARRIER = True
+EQUATION_TYPE = 'elliptic'
 POLYCONVEX = True
 EULER_LAGRANGE = False
 WEIGHT_PLANES = ()
@@ -565,16 +566,18 @@ def cells_of_nodes(block, coordinates, i, j, position):
 
 
 def local_energy(block, coordinates, weight, parameters, i, j, position):
-    """Energy with nodes (i, j) at `position`, and which of the 12 Jacobians are positive (12, nodes)."""
+    """Energy with nodes (i, j) at `position`, and the Jacobians of the 12 corners that contain each (12, nodes)."""
     n = i, j
-    energy, positive = 0.0, []
+    energy, jacobians = 0.0, []
     for _, _, e, f, a, b, c, d, along_xi, along_eta in cells_of_nodes(block, coordinates, i, j, position):
         own = corner_energy(a[0], a[1], b[0], b[1], parameters)
         next_xi = corner_energy(a[0], a[1], d[0], d[1], parameters)
         next_eta = corner_energy(c[0], c[1], b[0], b[1], parameters)
         energy = energy + own.energy + np.where(along_xi, next_xi.energy, 0.0) + np.where(along_eta, next_eta.energy, 0.0)
-        positive += [own.jacobian > 0.0, along_xi & (next_xi.jacobian > 0.0), along_eta & (next_eta.jacobian > 0.0)]
-    return energy, np.array(positive)
+        jacobians.append(own.jacobian)
+        jacobians.append(np.where(along_xi, next_xi.jacobian, np.inf))
+        jacobians.append(np.where(along_eta, next_eta.jacobian, np.inf))
+    return energy, np.array(jacobians)
 
 
 def local_derivatives(block, coordinates, weight, parameters, i, j):
@@ -608,7 +611,7 @@ def descent_direction(g, h):
     floor = 1e-10 * np.maximum(np.abs(high), np.abs(low))
     high_used, low_used = np.maximum(np.abs(high), floor), np.maximum(np.abs(low), floor)
     # alpha h + beta 1 has the eigenvalues high_used and low_used.
-    alpha = np.where(radius > 0.0, (high_used - low_used) / (high - low), 0.0)
+    alpha = np.where(high > low, (high_used - low_used) / (high - low), 0.0)
     beta = high_used - alpha * high
     hxx, hxy, hyy = alpha * h[0] + beta, alpha * h[1], alpha * h[2] + beta
     determinant = high_used * low_used
@@ -616,8 +619,16 @@ def descent_direction(g, h):
     return d, determinant > 0.0
 
 
-def modified_liao_regularized_sweep(block, coordinates, weight, parameters, fixed, colour, keep_positive):
-    """Nodes of one colour (i % 2 + 2 (j % 2)) share no corner, so they may move at once."""
+def folds(before, after, floor):
+    """Whether a step takes a corner that was valid below the floor, or more than nine tenths of its Jacobian at once.
+
+    After the latter, nodes would jam against each other.
+    """
+    return ((before > floor) & ~((after > floor) & (after > 0.1 * before))).any(axis=0)
+
+
+def modified_liao_regularized_sweep(block, coordinates, weight, parameters, fixed, colour, floor):
+    """Nodes of one colour (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold."""
     i, j = np.nonzero(fixed == 0)
     inside = (i >= max(block.row_begin, 1)) & (i < min(block.row_end, block.ni - 1)) & (j > 0) & (j < block.nj - 1)
     chosen = inside & (i % 2 == colour % 2) & (j % 2 == colour // 2)
@@ -626,16 +637,17 @@ def modified_liao_regularized_sweep(block, coordinates, weight, parameters, fixe
         g, h = local_derivatives(block, coordinates, weight, parameters, i, j)
         d, usable = descent_direction(g, h)
         start = coordinates[:, i, j]
-        energy, positive = local_energy(block, coordinates, weight, parameters, i, j, start)
+        energy, before = local_energy(block, coordinates, weight, parameters, i, j, start)
         slope, round_off = (g * d).sum(axis=0), 8.0 * np.finfo(float).eps * np.abs(energy)
         result, waiting, step = start.copy(), usable.copy(), 1.0
         for _ in range(30):
             if not waiting.any():
                 break
             place = start + step * d
-            trial, trial_positive = local_energy(block, coordinates, weight, parameters, i, j, place)
-            folds = (positive & ~trial_positive).any(axis=0) & bool(keep_positive)
-            accepted = waiting & (trial <= energy + 1e-4 * step * slope + round_off) & ~folds
+            trial, after = local_energy(block, coordinates, weight, parameters, i, j, place)
+            accepted = waiting & (trial <= energy + 1e-4 * step * slope + round_off)
+            if floor >= 0.0:
+                accepted &= ~folds(before, after, floor)
             result[:, accepted] = place[:, accepted]
             waiting &= ~accepted
             step *= 0.5

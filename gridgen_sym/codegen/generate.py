@@ -66,7 +66,7 @@ def check_generated(folder: Path | None = None) -> str:
     """Return a unified diff from what stands in `generated/` to what would be written; empty where they agree."""
     folder = folder or resource_folder("generated")
     wanted = {folder / source.path: source.text for source in all_sources()}
-    parts = []
+    parts: list[str] = []
     for path in sorted({*wanted, *_stale(folder, set(wanted))}):
         old = path.read_text(encoding="utf-8") if path.exists() else ""
         name = path.relative_to(folder).as_posix()

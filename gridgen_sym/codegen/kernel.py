@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sympy
-from sympy import Expr, Symbol
+from sympy import Expr
 
 from ..errors import GridgenError
 from ..functionals.metric import sympy_functions
@@ -76,6 +76,7 @@ class Kernel:
         density: the formula, as text, for the header.
         digest: of the definition that everything was derived from.
         barrier: whether the energy is infinite where J = 0.
+        equation_type: type of the Euler-Lagrange equations where J > 0: `elliptic`, or what they are instead.
         polyconvex: whether the semidefinite Hessian is so by derivation; else its eigenvalues are clamped.
         programs: by name.
     """
@@ -86,6 +87,7 @@ class Kernel:
     density: str
     digest: str
     barrier: bool
+    equation_type: str
     polyconvex: bool
     programs: Mapping[str, Program]
 
@@ -107,12 +109,10 @@ def check_expressible(expression: Expr) -> None:
     functions = tuple(set(sympy_functions().values()) - {sympy.sqrt})
     for node in sympy.preorder_traversal(expression):
         expressible = (
-            isinstance(node, (Symbol, sympy.Rational, sympy.Add, sympy.Mul, reciprocal, *functions))
-            or node in (sympy.pi, sympy.E, sympy.true)
-            or isinstance(node, (sympy.Piecewise, sympy.StrictGreaterThan, sympy.StrictLessThan))
+            isinstance(node, (sympy.Symbol, sympy.Rational, sympy.Add, sympy.Mul, sympy.Pow, reciprocal, *functions))
+            or isinstance(node, (sympy.Piecewise, sympy.StrictGreaterThan, sympy.StrictLessThan, sympy.sign, sympy.exp))
             or isinstance(node, sympy.functions.elementary.piecewise.ExprCondPair)
-            or (isinstance(node, sympy.Pow) and (2 * node.exp).is_integer)
-            or isinstance(node, (sympy.Pow, sympy.exp, sympy.sign))
+            or node in (sympy.pi, sympy.E, sympy.true)
         )
         if not expressible:
             raise GridgenError(

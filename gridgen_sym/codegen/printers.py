@@ -26,7 +26,8 @@ class Printer(ABC):
     def expression(self, node: Expr) -> str:
         """Return the text of an expression."""
         if isinstance(node, sympy.Symbol):
-            return self._parameters.get(node.name, node.name)
+            name: str = node.name
+            return self._parameters.get(name, name)
         if isinstance(node, sympy.Rational):
             return f"{node.p}.0" if node.q == 1 else f"({node.p}.0/{node.q}.0)"
         if node in (sympy.pi, sympy.E):
@@ -41,19 +42,18 @@ class Printer(ABC):
             return self._power(node)
         if isinstance(node, sympy.Piecewise):
             return self._choice(node)
-        name = self.functions[type(node).__name__]
-        return f"{name}({self.expression(node.args[0])})"
+        return f"{self.functions[type(node).__name__]}({self.expression(node.args[0])})"
 
     def _sum(self, node: sympy.Add) -> str:
         # A positive term goes first where there is one: a - b reads and computes better than -b + a.
         terms = sorted(node.as_ordered_terms(), key=lambda term: term.could_extract_minus_sign())
-        text = self.expression(terms[0])
+        text = self._term(terms[0])
         for term in terms[1:]:
-            if term.could_extract_minus_sign():
-                text += f" - {self._factor(-term) if isinstance(-term, sympy.Add) else self.expression(-term)}"
-            else:
-                text += f" + {self.expression(term)}"
+            text += f" - {self._term(-term)}" if term.could_extract_minus_sign() else f" + {self._term(term)}"
         return text
+
+    def _term(self, node: Expr) -> str:
+        return self._factor(node) if isinstance(node, (sympy.Add, sympy.Piecewise)) else self.expression(node)
 
     def _product(self, node: sympy.Mul) -> str:
         coefficient, rest = node.as_coeff_Mul()
@@ -72,7 +72,8 @@ class Printer(ABC):
 
     def _factor(self, node: Expr) -> str:
         text = self.expression(node)
-        atomic = isinstance(node, (sympy.Symbol, sympy.Function)) and not isinstance(node, reciprocal)
+        atomic = isinstance(node, (sympy.Symbol, sympy.Function))
+        atomic = atomic and not isinstance(node, (reciprocal, sympy.Piecewise))
         return text if atomic or node in (sympy.pi, sympy.E) or (node.is_Integer and node > 0) else f"({text})"
 
     @abstractmethod

@@ -24,8 +24,8 @@ def check_density(functional: Functional) -> None:
         GridgenError: naming the functional, the offending part and the repair.
     """
     density = functional.expression()
-    _check_symbols(functional, density)
     _check_functions(functional, density)
+    _check_symbols(functional, density)
     for corner in _VALID_CORNERS:
         _check_value(functional, density, corner)
 

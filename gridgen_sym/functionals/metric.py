@@ -21,9 +21,11 @@ WEIGHT_NAME = "s"
 DENSITY_NAMES = (*METRIC_NAMES, WEIGHT_NAME, *DERIVATIVE_NAMES)
 #: Names that derivations use, so that a parameter cannot have them.
 RESERVED_NAMES = frozenset(
-    (*DENSITY_NAMES, *FUNCTION_NAMES, "pi", "x", "y", "xi", "eta", "epsilon", "root", "chi", "k1", "k2", "D")
-    + tuple(f"s_{suffix}" for suffix in ("x", "y", "xx", "xy", "yy", "xi", "eta"))
-    + tuple(f"{r}_{suffix}" for r in "xy" for suffix in ("xixi", "xieta", "etaeta"))
+    (
+        *(*DENSITY_NAMES, *FUNCTION_NAMES, "pi", "x", "y", "xi", "eta", "epsilon", "root", "chi", "k1", "k2", "D"),
+        *(f"s_{suffix}" for suffix in ("x", "y", "xx", "xy", "yy", "xi", "eta")),
+        *(f"{r}_{suffix}" for r in "xy" for suffix in ("xixi", "xieta", "etaeta")),
+    )
 )
 
 

@@ -125,7 +125,8 @@ def _tables() -> tuple[PrintedEquation, ...]:
             PrintedEquation(
                 f"jacobian-k{i}",
                 f"Table 1, J(k_{i})",
-                rf"\boldsymbol{{J}}(k_{i}) = \begin{{bmatrix}} {latex[0]} & {latex[2]} \\ {latex[1]} & {latex[3]} \end{{bmatrix}}",
+                rf"\boldsymbol{{J}}(k_{i}) = \begin{{bmatrix}} {latex[0]} & {latex[2]} \\"
+                rf" {latex[1]} & {latex[3]} \end{{bmatrix}}",
                 "jacobian",
                 (a, c, b, d),
             )
@@ -134,7 +135,8 @@ def _tables() -> tuple[PrintedEquation, ...]:
             PrintedEquation(
                 f"vectors-k{i}",
                 f"Table 2, g1(k_{i}) and g2(k_{i})",
-                rf"\mathbf{{g}}_1(k_{i}) = ({latex[0]},\,{latex[1]})^t,\quad \mathbf{{g}}_2(k_{i}) = ({latex[2]},\,{latex[3]})^t",
+                rf"\mathbf{{g}}_1(k_{i}) = ({latex[0]},\,{latex[1]})^t,\quad "
+                rf"\mathbf{{g}}_2(k_{i}) = ({latex[2]},\,{latex[3]})^t",
                 "vectors",
                 (a, b, c, d),
             )

@@ -42,6 +42,7 @@ class KernelSet:
         variant: how the weight enters, or `regularized`.
         backend: `c` or `numpy`.
         barrier: whether the energy is infinite where J = 0.
+        equation_type: type of the Euler-Lagrange equations where J > 0, `elliptic` or what they are instead.
         polyconvex: whether the semidefinite Hessian is so by derivation, not by clamped eigenvalues.
         weight_planes: names of the planes that `weight` must have.
         operations: number of arithmetic operations of each program.
@@ -51,6 +52,7 @@ class KernelSet:
     variant: Variant
     backend: str
     barrier: bool
+    equation_type: str
     polyconvex: bool
     weight_planes: tuple[str, ...]
     operations: Mapping[str, int]
@@ -98,11 +100,14 @@ class KernelSet:
         fixed: Mask,
         colour: int,
         *,
-        keep_positive: bool,
+        floor: float,
         interior_only: bool = False,
     ) -> None:
-        """Move every free node of a colour (i % 2 + 2 (j % 2)) by one damped Newton step on its local energy, in place."""
-        self._call("sweep", coordinates, weight, fixed, colour, int(keep_positive), interior_only=interior_only)
+        """Move every free node of a colour (i % 2 + 2 (j % 2)) by one damped Newton step on its local energy.
+
+        No step takes the Jacobian of a corner from above `floor` to below it; a negative floor lets cells fold.
+        """
+        self._call("sweep", coordinates, weight, fixed, colour, floor, interior_only=interior_only)
 
     def euler_lagrange_residual(
         self, coordinates: Array, weight: Array | None = None, spacing: tuple[float, float] = (1.0, 1.0)
@@ -191,6 +196,7 @@ def kernels(
         variant=variant,
         backend=chosen.name,
         barrier=module["BARRIER"],
+        equation_type=module["EQUATION_TYPE"],
         polyconvex=module["POLYCONVEX"],
         weight_planes=tuple(module["WEIGHT_PLANES"]),
         operations=module["OPERATIONS"],
@@ -225,8 +231,8 @@ def choose_backend(name: str | None = None) -> Backend:
         raise GridgenError("the backend 'c' needs a C compiler: install one (cc, gcc or clang), or set CC to its path")
     if name is None and find_compiler() is None:
         say_once(
-            "no C compiler was found, so the slower NumPy backend is used; install one (Debian: apt install gcc; macOS: "
-            "xcode-select --install), or set GRIDGEN_SYM_BACKEND=numpy to silence this line"
+            "no C compiler was found, so the slower NumPy backend is used; install one (Debian: apt install gcc; "
+            "macOS: xcode-select --install), or set GRIDGEN_SYM_BACKEND=numpy to silence this line"
         )
         name = "numpy"
     return _BACKENDS[name or "c"]

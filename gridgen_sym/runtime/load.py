@@ -17,7 +17,7 @@ SIGNATURES = {
     "energy_gradient": "aaaaaa",
     "hessian": "aaaa",
     "semidefinite_hessian": "aaaa",
-    "sweep": "aaaaii",
+    "sweep": "aaaaid",
     "euler_lagrange_residual": "aaaa",
     "euler_lagrange_jacobian": "aaaa",
     "euler_lagrange_frozen_jacobian": "aaaa",
@@ -70,7 +70,7 @@ class NumpyBackend:
 
 
 def _wrapped(function: Any, kinds: str) -> Callable[..., None]:  # noqa: ANN401 - a ctypes function
-    """Return a Python function that passes arrays as plain pointers: ready pointers are ten times faster than ndpointer."""
+    """Return a Python function that passes arrays as plain pointers, ten times faster than ndpointer does."""
     types = {"a": ctypes.c_void_p, "i": ctypes.c_int64, "d": ctypes.c_double}
     function.argtypes = [ctypes.POINTER(Block), *(types[kind] for kind in kinds)]
     function.restype = None

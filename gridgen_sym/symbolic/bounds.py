@@ -1,4 +1,4 @@
-"""The greatest lower bound of a density where J > 0: found numerically, proved by algebra."""
+"""A lower bound of a density where J > 0: the greatest one if it can be proved, else zero if that can."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import sympy
 from sympy import Expr
 
-from .coordinates import FIRST_DERIVATIVES, METRIC, s, x_eta, x_xi, y_eta, y_xi
+from .coordinates import FIRST_DERIVATIVES, METRIC, chi, root, s, x_xi, y_eta, y_xi
 from .definiteness import is_nonnegative, without_functions
 
 _p, _r = (sympy.Dummy(name, positive=True) for name in "pr")
@@ -30,7 +30,7 @@ class LowerBound:
 
 
 def lower_bound(density: Expr, *, rotates: bool, degree: Expr | None) -> LowerBound:
-    """Find the greatest lower bound of a density where J > 0 (and s > 0), with numbers instead of parameters.
+    """Find a provable lower bound of a density where J > 0 (and s > 0), with numbers instead of parameters.
 
     Args:
         density: in the metric symbols.
@@ -52,7 +52,7 @@ def _is_bounded(density: Expr, bound: Expr, *, rotates: bool) -> bool:
     """Return whether density - bound is a product of provably non-negative factors."""
     frame = {x_xi: _p, y_xi: 0, y_eta: _r} if rotates else {}
     rest, positive = without_functions(sympy.Matrix([[(density - bound).subs(METRIC).subs(frame)]]))
-    return is_nonnegative(rest[0], (_p, _r, s, *positive))
+    return is_nonnegative(rest[0], (_p, _r, s, chi, root, *positive))
 
 
 def _smallest_sample(density: Expr) -> float | None:

@@ -46,7 +46,7 @@ class Classification:
         scaling_degree: k, if the map c·(x, y) has c^k times the density; None if there is no such k.
         exchange: whether exchanging xi and eta, with a reflection that keeps J's sign, changes nothing.
         reparametrization_degrees: the degrees of the density in g1 and in g2, None where it has none.
-        lower_bound: the greatest lower bound of the density where J > 0.
+        lower_bound: a lower bound of the density where J > 0, the greatest one where that was proved.
         barrier: whether the density tends to infinity as J tends to zero from above.
         polyconvex: whether P(A, J) is convex where J > 0, and how that is known.
     """
@@ -139,7 +139,7 @@ def _is_linear(matrix: sympy.Matrix, rest: sympy.Matrix) -> bool:
 
 
 def _is_coupled(matrix: sympy.Matrix, rest: sympy.Matrix) -> bool:
-    """Return whether either equation contains the other unknown, in a second derivative, a coefficient or the weight."""
+    """Return whether either equation contains the other unknown."""
     if any(part.has(symbol("s_x"), symbol("s_y")) for part in rest) or not _is_zero(sympy.Matrix([matrix[0, 1]])):
         return True
     x_part = sympy.expand(expand_metric(matrix[0, 0])).free_symbols | expand_metric(rest[0]).free_symbols

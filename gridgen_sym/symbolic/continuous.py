@@ -17,6 +17,7 @@ from functools import lru_cache
 import sympy
 from sympy import Expr, Symbol
 
+from ..errors import GridgenError
 from ..functionals.definition import Functional
 from .coordinates import (
     FIRST_DERIVATIVES,
@@ -85,7 +86,12 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
 
     A `frozen` weight is a given function of (xi, eta), with derivatives `s_xi`, `s_eta`; a `differentiated`
     one is s(x, y), with derivatives `s_x`, `s_y`.
+
+    Raises:
+        GridgenError: for the regularised barrier, which is a tool of the discrete side.
     """
+    if variant == "regularized":
+        raise GridgenError(f"the regularised barrier of {functional.name!r} serves untangling only: use 'plain'")
     density = variant_density(functional, variant)
     fluxes = gradient(density)
     slope = hessian(density)

@@ -1,4 +1,4 @@
-"""Decide whether a symbolic matrix is positive semidefinite, or an expression non-negative: proved, refuted or sampled."""
+"""Decide whether a matrix is positive semidefinite or an expression non-negative: proved, refuted or sampled."""
 
 from __future__ import annotations
 

@@ -98,7 +98,9 @@ def has_barrier(functional: Functional) -> bool:
 
     Decided by the limit on a corner with fixed edge lengths, at the default parameters.
     """
-    density = functional.expression().subs({symbol(n): sympy.nsimplify(v) for n, v in functional.parameters.items()})
+    density = functional.expression().subs(
+        {symbol(n): sympy.nsimplify(v, rational=True) for n, v in functional.parameters.items()}
+    )
     corner = density.subs({s: 1, g11: 2, g22: 3, g12: 1}).subs(dict(zip(FIRST_DERIVATIVES, (1, 1, 1, 1), strict=True)))
     return J in corner.free_symbols and sympy.limit(corner, J, 0, "+") == sympy.oo
 

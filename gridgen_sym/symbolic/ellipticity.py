@@ -40,8 +40,8 @@ class Ellipticity:
     """The type of the Euler–Lagrange equations where J > 0, and how it is known.
 
     Attributes:
-        type: `elliptic`: det A(k) is not zero for any real k other than zero; `weakly elliptic`: it is nowhere negative but is
-            zero for some k; `degenerate`: it is zero for all k; `changing type`: it takes both signs.
+        type: `elliptic`: det A(k) is not zero for any real k other than zero; `weakly elliptic`: it is nowhere
+            negative but zero for some k; `degenerate`: it is zero for all k; `changing type`: it takes both signs.
         proof: `proved` by algebra; `refuted`: not elliptic, by the exact `witness`; `sampled` at random points.
         witness: for `changing type`, rational values with J > 0 at which det A is negative.
         samples: number of random points that were tried.
@@ -70,7 +70,7 @@ def determinant(matrix: sympy.Matrix, *, rotates: bool) -> Expr:
         matrix: the principal symbol.
         rotates: whether the density is invariant under rotation, so that the frame with y_xi = 0 stands for all.
     """
-    if not rotates or _is_large(matrix) or without_functions(matrix)[0] != matrix:
+    if not rotates or _is_large(matrix) or matrix.has(epsilon) or without_functions(matrix)[0] != matrix:
         return matrix.det()
     framed = matrix.subs(METRIC).subs({x_xi: _p, x_eta: _q, y_xi: 0, y_eta: _r}).applyfunc(sympy.cancel)
     value = in_invariants(sympy.factor(framed.det()))
@@ -98,8 +98,12 @@ def in_invariants(framed: Expr) -> Expr | None:
 
 def _reduce(polynomial: Expr) -> Expr:
     """Return the polynomial modulo what the metric stands for, lowest in p, q and r."""
-    terms = sympy.Poly(polynomial, k1, k2).terms()
-    return sum((_metric_basis().reduce(part)[1] * k1**a * k2**b for (a, b), part in terms), sympy.S.Zero)
+    others = sorted({k1, k2} | polynomial.free_symbols - {_p, _q, _r}, key=str)
+    terms = [
+        (sympy.prod(v**n for v, n in zip(others, powers, strict=True)), part)
+        for powers, part in sympy.Poly(polynomial, *others).terms()
+    ]
+    return sum((_metric_basis().reduce(part)[1] * monomial for monomial, part in terms), sympy.S.Zero)
 
 
 @lru_cache(maxsize=1)

@@ -9,7 +9,7 @@ from sympy import Expr, Symbol
 
 from .coordinates import FIRST_DERIVATIVES, METRIC, REGULARIZATION, differentiate, g11, g22, x_eta, x_xi, y_eta, y_xi
 
-# Rational jets with J > 0 at which a claim is tried before any algebra; the weight and epsilon have values of their own.
+# Rational jets with J > 0 at which a claim is tried before any algebra.
 _JETS = ((2, 1, -1, 3), (1, -2, 3, 1), (3, 2, -2, 5))
 
 
@@ -54,8 +54,8 @@ def _degree(density: Expr, variables: Sequence[Symbol]) -> Expr | None:
     value = _expand(density).subs(at_a_jet)
     if value == 0:
         return None
-    degree = sympy.nsimplify(sympy.simplify(_expand(slope).subs(at_a_jet) / value))
-    if not degree.is_number or not (degree.is_Rational or degree.is_Integer):
+    degree = sympy.simplify(_expand(slope).subs(at_a_jet) / value)
+    if not degree.is_Rational:
         return None
     return degree if _vanishes(slope - degree * density) else None
 

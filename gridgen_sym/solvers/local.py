@@ -1,0 +1,64 @@
+"""The paper's method (Section 3): minimise the energy over one node at a time, sweep after sweep.
+
+A sweep visits the nodes in four colours; nodes of one colour share no corner. Each visit is one damped
+Newton step on the local energy, the sum over the 12 corners that contain the node.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..runtime import Array
+from .problem import Problem, jacobian_floor
+from .progress import Progress
+
+COLOURS = 4
+
+
+def sweep_until_converged(
+    problem: Problem,
+    coordinates: Array,
+    progress: Progress,
+    *,
+    tolerance: float,
+    max_iterations: int,
+    keep_valid: bool,
+) -> tuple[bool, str]:
+    """Sweep until the gradient's norm has fallen by the factor `tolerance`; changes `coordinates` in place.
+
+    Returns:
+        Whether it converged, and why it stopped.
+    """
+    energy, smallest, gradient = problem.energy_gradient(coordinates)
+    norm = first = float(np.linalg.norm(gradient))
+    progress.step(0, energy, norm, smallest)
+    guard = keep_valid or problem.kernels.barrier
+    floor = jacobian_floor(smallest) if guard else -1.0
+    for iteration in range(max_iterations + 1):
+        if norm <= max(tolerance * first, problem.round_off(coordinates, energy)):
+            return True, f"the gradient's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+        if iteration == max_iterations:
+            break
+        before = coordinates.copy()
+        for colour in range(COLOURS):
+            problem.kernels.sweep(
+                coordinates,
+                problem.weights(coordinates),
+                problem.fixed,
+                colour,
+                floor=floor,
+                interior_only=problem.interior_only,
+            )
+        problem.refresh(coordinates)
+        energy, smallest, gradient = problem.energy_gradient(coordinates)
+        norm = float(np.linalg.norm(gradient))
+        progress.step(iteration + 1, energy, norm, smallest)
+        if np.array_equal(before, coordinates):
+            return False, (
+                f"no node can move to a lower local energy{' without folding a cell' if guard else ''}, and the "
+                f"gradient's norm is {norm:.2e}, {norm / first:.1e} of its first value."
+            )
+    return False, (
+        f"{max_iterations} sweeps have brought the gradient's norm to {norm:.2e}, {norm / first:.1e} of its first "
+        f"value, not to {tolerance:.1e}: allow more with max_iterations, or use method='newton'."
+    )

@@ -1,0 +1,160 @@
+"""What a solver solves: the kernels of a functional bound to a weight, fixed nodes and a set of corners."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import GridgenError
+from ..functionals.definition import Functional, functional
+from ..grids import Grid
+from ..runtime import Array, KernelSet, Mask, kernels
+from .progress import Progress
+from .result import Result
+from .weight import Source, Weight, as_weight
+
+
+@dataclass(slots=True)
+class Problem:
+    """Energy, gradient and Hessian as functions of the coordinates (2, ni, nj).
+
+    Attributes:
+        kernels: of the functional, in the variant that the weight asks for.
+        fixed: (ni, nj), non-zero at nodes that do not move; the boundary is fixed.
+        weight: the weight, or None.
+        interior_only: sum over the corners at inner nodes only, as the paper prints it.
+    """
+
+    kernels: KernelSet
+    fixed: Mask
+    weight: Weight | None
+    interior_only: bool = False
+    _planes: Array | None = None
+
+    def refresh(self, coordinates: Array) -> None:
+        """Evaluate the weight at the nodes' present positions."""
+        if self.weight is not None:
+            self._planes = self.weight.planes(coordinates, self.kernels.weight_planes)
+
+    def weights(self, coordinates: Array) -> Array | None:
+        """Return the planes of the weight: as last refreshed if frozen, at these coordinates if differentiated."""
+        if self.weight is not None and (self._planes is None or self.weight.mode == "differentiated"):
+            self.refresh(coordinates)
+        return self._planes
+
+    def energy(self, coordinates: Array) -> tuple[float, float]:
+        """Return the energy and the smallest Jacobian."""
+        energy, smallest = self.kernels.energy(coordinates, self.weights(coordinates), interior_only=self.interior_only)
+        return energy, smallest
+
+    def energy_gradient(self, coordinates: Array) -> tuple[float, float, Array]:
+        """Return the energy, the smallest Jacobian and the gradient (2, ni, nj), zero at fixed nodes."""
+        energy, smallest, gradient = self.kernels.energy_gradient(
+            coordinates, self.weights(coordinates), interior_only=self.interior_only
+        )
+        gradient[:, self.fixed != 0] = 0.0
+        return energy, smallest, gradient
+
+    def hessian(self, coordinates: Array, *, semidefinite: bool = False) -> Array:
+        """Return the stored half of the Hessian (19, ni, nj); entries of fixed nodes are not removed."""
+        return self.kernels.hessian(
+            coordinates, self.weights(coordinates), semidefinite=semidefinite, interior_only=self.interior_only
+        )
+
+    def round_off(self, coordinates: Array, energy: float) -> float:
+        """Return the norm below which the gradient of this energy cannot be told from zero.
+
+        Differences of coordinates of size L over a spacing h lose a factor L/h; the gradient is of the size E/h.
+        """
+        spacing = float(np.hypot(*np.diff(coordinates, axis=1)).mean() + np.hypot(*np.diff(coordinates, axis=2)).mean())
+        size, nodes = float(np.abs(coordinates).max()), coordinates[0].size
+        tiny = np.finfo(float).tiny
+        return float(10 * np.finfo(float).eps * abs(energy) * size / (spacing**2 * np.sqrt(nodes) + tiny))
+
+    def caution(self, coordinates: Array) -> str:
+        """Return what the user must know of the weight, as a sentence with a leading blank, or nothing."""
+        if self.weight is None:
+            return ""
+        negative = self.weight.negative_nodes(coordinates)
+        if not negative:
+            return ""
+        return (
+            f" The weight is negative at {negative} of {coordinates[0].size} nodes: the energy has no lower bound, "
+            "and this grid is at best a stationary point of it."
+        )
+
+
+def jacobian_floor(smallest: float) -> float:
+    """Return the Jacobian below which no step may take a corner of a grid whose smallest one is `smallest`.
+
+    Not quite zero, so that another order of rounding cannot make a cell folded that was just valid.
+    """
+    return 1e-6 * max(smallest, 0.0)
+
+
+def make_problem(
+    grid: Grid,
+    name: str | Functional,
+    *,
+    weight: Weight | Source | None = None,
+    fixed: npt.ArrayLike | None = None,
+    parameters: Mapping[str, float] | None = None,
+    interior_only: bool = False,
+    backend: str | None = None,
+) -> Problem:
+    """Bind a functional to a grid's shape, with checked input.
+
+    Raises:
+        GridgenError: for an unknown functional, bad parameters, a bad weight or a mask of the wrong shape.
+    """
+    chosen = as_weight(weight)
+    kernel_set = kernels(functional(name), chosen.mode if chosen else "plain", parameters, backend)
+    problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, interior_only)
+    problem.refresh(np.ascontiguousarray(grid.planes))
+    return problem
+
+
+def fixed_mask(grid: Grid, fixed: npt.ArrayLike | None) -> Mask:
+    """Return the mask of nodes that do not move: the boundary, and inner nodes where `fixed` is true.
+
+    Raises:
+        GridgenError: if `fixed` has another shape than the grid.
+    """
+    mask = np.zeros(grid.shape, dtype=np.uint8)
+    if fixed is not None:
+        given: npt.NDArray[Any] = np.asarray(fixed)
+        if given.shape != grid.shape or given.dtype.kind not in "biu":
+            raise GridgenError(
+                f"fixed must be a mask of the grid's shape {grid.shape}, true at nodes that do not move; "
+                f"came shape {given.shape}, type {given.dtype}"
+            )
+        mask |= given != 0
+    mask[0], mask[-1], mask[:, 0], mask[:, -1] = 1, 1, 1, 1
+    return mask
+
+
+def check_controls(tolerance: float, max_iterations: int | None) -> None:
+    """Refuse a tolerance or a number of iterations that means nothing."""
+    if not 0 < tolerance < 1:
+        raise GridgenError(
+            f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {tolerance}"
+        )
+    if max_iterations is not None and max_iterations < 0:
+        raise GridgenError(f"max_iterations must not be negative; came {max_iterations}")
+
+
+def result_of(problem: Problem, coordinates: Array, report: Progress, converged: bool, message: str) -> Result:
+    """Return what a solver found, with the caution that its weight calls for."""
+    energy_now, _ = problem.energy(coordinates)
+    return Result(
+        grid=Grid.from_planes(coordinates[0], coordinates[1]),
+        converged=converged,
+        message=(message + problem.caution(coordinates)).strip(),
+        iterations=max(len(report.history) - 1, 0),
+        energy=energy_now,
+        history=tuple(report.history),
+    )

@@ -1,0 +1,67 @@
+"""Report the steps of a solver: history, the user's callback, and a line on the terminal when it takes long."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+from .result import Step
+
+Callback = Callable[[Step], None]
+
+#: Seconds after which a solver starts to show what it does.
+PATIENCE = 1.0
+
+
+class Progress:
+    """Collects the history; shows a live line on a terminal once a run takes longer than `PATIENCE`."""
+
+    def __init__(self, title: str, callback: Callback | None = None, show: bool | None = None) -> None:
+        """Begin.
+
+        Args:
+            title: what is being done.
+            callback: called with every `Step`.
+            show: show progress on standard error; by default, if that is a terminal.
+        """
+        self.history: list[Step] = []
+        self._title = title
+        self._callback = callback
+        self._show = sys.stderr.isatty() if show is None else show
+        self._begin = time.monotonic()
+        self._status: Any = None
+
+    def __enter__(self) -> Progress:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Take the line off the terminal."""
+        if self._status is not None:
+            self._status.stop()
+
+    def step(self, iteration: int, energy: float, gradient_norm: float, min_jacobian: float) -> None:
+        """Record one step and tell whoever wants to know."""
+        step = Step(iteration, energy, gradient_norm, min_jacobian)
+        self.history.append(step)
+        if self._callback is not None:
+            self._callback(step)
+        if self._show and time.monotonic() - self._begin > PATIENCE:
+            self._display(step)
+
+    def _display(self, step: Step) -> None:
+        text = (
+            f"{self._title}: iteration {step.iteration}, energy {step.energy:.6g}, "
+            f"gradient {step.gradient_norm:.2e}, smallest J {step.min_jacobian:.2e}"
+        )
+        if self._status is None:
+            from rich.console import Console
+
+            self._status = Console(stderr=True).status(text)
+            self._status.start()
+        self._status.update(text)

@@ -1,0 +1,55 @@
+"""What every solver returns: the grid, and the whole truth about how it was reached."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..grids import Grid, Quality, quality
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One line of a solver's history.
+
+    Attributes:
+        iteration: sweep or Newton step; 0 is the start.
+        energy: the discrete energy; NaN where the solver does not compute it.
+        gradient_norm: Euclidean norm of the energy's gradient, or of the Euler-Lagrange residual, in the free nodes.
+        min_jacobian: the smallest Jacobian at any corner of any cell.
+    """
+
+    iteration: int
+    energy: float
+    gradient_norm: float
+    min_jacobian: float
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """A solved grid.
+
+    Attributes:
+        grid: the last grid; where the solver stopped early, the best valid one that it had.
+        converged: whether the criterion that was asked for is met.
+        message: why it stopped, as a sentence; also what the user must know of the result.
+        iterations: sweeps or Newton steps.
+        energy: discrete energy of `grid`, over all corners of all cells (or the paper's set, where that was asked for).
+        history: one entry per iteration.
+    """
+
+    grid: Grid
+    converged: bool
+    message: str
+    iterations: int
+    energy: float
+    history: tuple[Step, ...]
+
+    @property
+    def quality(self) -> Quality:
+        """The quality measures of the grid."""
+        return quality(self.grid)
+
+    def __str__(self) -> str:
+        """Say in one line how it ended."""
+        state = "converged" if self.converged else "NOT converged"
+        return f"{state} after {self.iterations} iterations: {self.message}"

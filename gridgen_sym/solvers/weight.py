@@ -1,0 +1,145 @@
+"""Weights (the paper's adaptive function s): from a formula, a function or an array, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import GridgenError
+from ..functionals.expression import FUNCTION_NAMES, evaluate
+from ..runtime import Array
+
+Source = str | float | Callable[[Array, Array], npt.ArrayLike] | npt.NDArray[Any]
+
+_NUMPY_FUNCTIONS = {name: getattr(np, {"atan": "arctan"}.get(name, name)) for name in FUNCTION_NAMES}
+#: Partial derivatives of the weight, by the name of its plane.
+_DERIVATIVES = {"s_x": "x", "s_y": "y", "s_xx": "xx", "s_xy": "xy", "s_yy": "yy"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Weight:
+    """A weight s(x, y).
+
+    Attributes:
+        source: a formula such as `"1 + 5*exp(-20*(x**2 + y**2))"`, a number, a function of two arrays
+            (x, y), or an array with one value per node (only with mode `frozen`).
+        mode: `frozen`: s is held at the nodes and evaluated again between steps, so that s·J becomes constant
+            for the area functional; `differentiated`: s(x, y) belongs to the energy that is minimised, so that
+            sqrt(s)·J becomes constant.
+        allow_negative: accept a weight that is negative somewhere. The weighted area energy has no lower
+            bound then; results say so.
+    """
+
+    source: Source
+    mode: Literal["frozen", "differentiated"] = "frozen"
+    allow_negative: bool = False
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without a grid."""
+        if self.mode not in ("frozen", "differentiated"):
+            raise GridgenError(f"a weight's mode must be 'frozen' or 'differentiated'; came {self.mode!r}")
+        if isinstance(self.source, np.ndarray) and self.mode != "frozen":
+            raise GridgenError(
+                "an array of weights has no derivatives: use mode='frozen', or give a formula or a function"
+            )
+
+    def planes(self, coordinates: Array, names: tuple[str, ...]) -> Array:
+        """Return the weight at the nodes, and those of its derivatives that `names` lists, each (ni, nj).
+
+        Raises:
+            GridgenError: if it is not finite at a node, or negative without `allow_negative`; the node is named.
+        """
+        x, y = coordinates
+        value = self._values(x, y)
+        self._check(value, x, y)
+        if len(names) == 1:
+            return value[np.newaxis]
+        return np.stack([value, *(self._derivative(_DERIVATIVES[name], x, y) for name in names[1:])])
+
+    def negative_nodes(self, coordinates: Array) -> int:
+        """Return the number of nodes at which the weight is negative."""
+        return int((self._values(*coordinates) < 0).sum())
+
+    def _values(self, x: Array, y: Array) -> Array:
+        if isinstance(self.source, str):
+            names = {"x": x, "y": y, "pi": np.pi}
+            with np.errstate(all="ignore"):
+                value = evaluate(self.source, names, _NUMPY_FUNCTIONS)
+        elif callable(self.source):
+            value = self.source(x, y)
+        else:
+            value = self.source
+        value = np.asarray(value, dtype=float)
+        if value.shape not in ((), x.shape):
+            raise GridgenError(f"the weight must have one value per node, shape {x.shape}; came {value.shape}")
+        return np.ascontiguousarray(np.broadcast_to(value, x.shape))
+
+    def _check(self, value: Array, x: Array, y: Array) -> None:
+        bad = ~np.isfinite(value)
+        if bad.any():
+            i, j = (int(k) for k in np.argwhere(bad)[0])
+            raise GridgenError(
+                f"the weight must be finite at every node; it is {value[i, j]} at node ({i}, {j}), "
+                f"x = {x[i, j]:.6g}, y = {y[i, j]:.6g}: check its formula there"
+            )
+        if value.min() < 0 and not self.allow_negative:
+            i, j = np.unravel_index(int(value.argmin()), value.shape)
+            raise GridgenError(
+                f"the weight must not be negative: it is {value.min():.6g} at node ({i}, {j}), x = {x[i, j]:.6g}, "
+                f"y = {y[i, j]:.6g}, and the energy has no lower bound then. Add at least {-value.min():.6g} to it, "
+                "take its absolute value, or insist with Weight(..., allow_negative=True)"
+            )
+
+    def _derivative(self, along: str, x: Array, y: Array) -> Array:
+        if isinstance(self.source, str):
+            return _symbolic_derivative(self.source, along, x, y)
+        return self._difference(along, x, y)
+
+    def _difference(self, along: str, x: Array, y: Array) -> Array:
+        """Differentiate a function numerically, by central differences with a step that balances round-off."""
+        size = max(float(np.ptp(x)), float(np.ptp(y)))
+        h = size * (6e-6 if len(along) == 1 else 1e-4)
+        shift = {"x": (h, 0.0), "y": (0.0, h)}
+        (ax, ay) = shift[along[0]]
+        if len(along) == 1:
+            return (self._values(x + ax, y + ay) - self._values(x - ax, y - ay)) / (2 * h)
+        (bx, by) = shift[along[1]]
+        return (
+            self._values(x + ax + bx, y + ay + by)
+            - self._values(x + ax - bx, y + ay - by)
+            - self._values(x - ax + bx, y - ay + by)
+            + self._values(x - ax - bx, y - ay - by)
+        ) / (4 * h * h)
+
+
+def as_weight(weight: Weight | Source | None) -> Weight | None:
+    """Return a weight given in any form as a `Weight`; a bare source is frozen, as in the paper."""
+    return weight if weight is None or isinstance(weight, Weight) else Weight(weight)
+
+
+def _symbolic_derivative(formula: str, along: str, x: Array, y: Array) -> Array:
+    """Differentiate a formula exactly; loads SymPy."""
+    function = _lambdified(formula, along)
+    return np.ascontiguousarray(np.broadcast_to(function(x, y), x.shape)).astype(float)
+
+
+_compiled: dict[tuple[str, str], Callable[[Array, Array], npt.ArrayLike]] = {}
+
+
+def _lambdified(formula: str, along: str) -> Callable[[Array, Array], npt.ArrayLike]:
+    if (formula, along) not in _compiled:
+        import sympy
+
+        from ..functionals.metric import symbol, sympy_functions
+
+        variables = {name: symbol(name) for name in "xy"}
+        expression = evaluate(formula, variables | {"pi": sympy.pi}, sympy_functions(), sympy.Rational)
+        derivative = sympy.diff(expression, *(variables[name] for name in along))
+        # Second derivatives of abs() are zero but on a line that no node need meet.
+        derivative = derivative.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
+        _compiled[formula, along] = sympy.lambdify(list(variables.values()), derivative, "numpy")
+    return _compiled[formula, along]

@@ -1,0 +1,262 @@
+"""Kernels on grids: gradients and Hessians are slopes, energies are sums, and both have the symmetries of the plane."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support import (
+    BUILTIN,
+    CASES,
+    EQUATION_CASES,
+    case_name,
+    dense_hessian,
+    kernel_set,
+    random_grid,
+    random_weight,
+    relative_difference,
+)
+
+from gridgen_sym.functionals import functional
+from gridgen_sym.runtime import find_compiler
+
+BACKEND = "c" if find_compiler() else "numpy"
+SIZE = (4, 5)
+STEP = 1e-5
+
+
+def moving_weight(case, xy):
+    """Return the planes of s(x, y) = 2 + sin(0.3 x + 0.5 y) at the nodes, or what stands for it where it is held."""
+    planes = kernel_set(*case, BACKEND).weight_planes
+    if case[1] != "differentiated":
+        return random_weight(len(planes), *xy.shape[1:])
+    phase, a, b = 0.3 * xy[0] + 0.5 * xy[1], 0.3, 0.5
+    sine, cosine = np.sin(phase), np.cos(phase)
+    return np.array([2 + sine, a * cosine, b * cosine, -a * a * sine, -a * b * sine, -b * b * sine])
+
+
+def grid_of(case, size=SIZE):
+    return random_grid(*size, noise=0.4 if case[1] == "regularized" else 0.1)
+
+
+def differences(function, xy):
+    """Return fourth-order central differences of an array function in every coordinate, (..., 2, ni, nj)."""
+    columns = []
+    for entry in range(xy.size):
+        unit = np.zeros(xy.size)
+        unit[entry] = 1.0
+        unit = unit.reshape(xy.shape)
+
+        def at(steps, unit=unit):
+            return np.asarray(function(xy + steps * STEP * unit))
+
+        columns.append((8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * STEP))
+    columns = np.stack(columns, axis=-1)
+    return columns.reshape(*columns.shape[:-1], *xy.shape)
+
+
+@pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
+@pytest.mark.parametrize("case", CASES, ids=case_name)
+def test_the_gradient_is_the_slope_of_the_energy(case, inner):
+    kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
+    gradient = kernels.energy_gradient(xy, moving_weight(case, xy), interior_only=inner)[2]
+    expected = differences(lambda at: kernels.energy(at, moving_weight(case, at), interior_only=inner)[0], xy)
+    assert relative_difference(gradient, expected) < 1e-7
+
+
+@pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
+@pytest.mark.parametrize("case", CASES, ids=case_name)
+def test_the_hessian_is_the_slope_of_the_gradient(case, inner):
+    kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
+
+    def gradient(at):
+        return kernels.energy_gradient(at, moving_weight(case, at), interior_only=inner)[2]
+
+    hessian = dense_hessian(kernels.hessian(xy, moving_weight(case, xy), interior_only=inner))
+    expected = differences(gradient, xy).reshape(hessian.shape)
+    assert relative_difference(hessian, expected) < 1e-7
+    broken = hessian.copy()
+    broken[7, 7] *= -1
+    assert relative_difference(broken, expected) > 1e-7
+
+
+@pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
+@pytest.mark.parametrize("case", CASES, ids=case_name)
+def test_the_semidefinite_hessian_has_no_negative_eigenvalue(case, inner):
+    kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
+    planes = kernels.hessian(xy, moving_weight(case, xy), semidefinite=True, interior_only=inner)
+    eigenvalues = np.linalg.eigvalsh(dense_hessian(planes))
+    assert eigenvalues[0] > -1e-12 * eigenvalues[-1]
+    assert eigenvalues[-1] > 0
+
+
+def test_some_full_hessian_has_a_negative_eigenvalue():
+    """Else the test above would show nothing."""
+    xy = random_grid(6, 6, noise=0.15)
+    indefinite = [
+        name for name in BUILTIN if np.linalg.eigvalsh(dense_hessian(kernel_set(name, "plain", BACKEND).hessian(xy)))[0] < -1e-3
+    ]
+    assert {"area", "orthogonality", "winslow"} <= set(indefinite)
+
+
+@pytest.mark.parametrize("case", EQUATION_CASES, ids=case_name)
+def test_the_jacobian_is_the_slope_of_the_residual(case):
+    kernels, spacing = kernel_set(*case, BACKEND), (0.7, 0.4)
+    xy = grid_of(case, (5, 4))
+    weight = jacobian_weight(case, xy)
+    jacobian = dense_jacobian(kernels.euler_lagrange_jacobian(xy, weight(xy), spacing))
+    expected = differences(lambda at: kernels.euler_lagrange_residual(at, weight(at), spacing), xy)
+    assert relative_difference(jacobian, expected.reshape(jacobian.shape)) < 1e-7
+
+
+def jacobian_weight(case, xy):
+    """Return the weight as a function of the grid; its third derivatives, which the Jacobian leaves out, are zero."""
+    if case[1] != "differentiated":
+        return lambda at: random_weight(len(kernel_set(*case, BACKEND).weight_planes), *xy.shape[1:])
+
+    def planes(at):
+        x, y = at
+        s = 3 + 0.2 * x - 0.1 * y + 0.04 * x * x + 0.02 * x * y - 0.03 * y * y
+        second = [np.full_like(x, value) for value in (0.08, 0.02, -0.06)]
+        return np.array([s, 0.2 + 0.08 * x + 0.02 * y, -0.1 + 0.02 * x - 0.06 * y, *second])
+
+    return planes
+
+
+def dense_jacobian(planes):
+    """Assemble nine blocks of four planes to a matrix over (component, i, j)."""
+    _, ni, nj = planes.shape
+    matrix = np.zeros((2, ni, nj, 2, ni, nj))
+    blocks = planes.reshape(3, 3, 2, 2, ni, nj)
+    for i in range(1, ni - 1):
+        for j in range(1, nj - 1):
+            for p in range(3):
+                for q in range(3):
+                    matrix[:, i, j, :, i + p - 1, j + q - 1] = blocks[p, q, :, :, i, j]
+    return matrix.reshape(2 * ni * nj, 2 * ni * nj)
+
+
+@pytest.mark.parametrize("case", EQUATION_CASES, ids=case_name)
+def test_the_frozen_jacobian_has_the_coefficients_of_the_second_derivatives_alone(case):
+    """What is frozen is the operator: a linear function has no second differences, so the Jacobian sends it to zero."""
+    kernels, spacing = kernel_set(*case, BACKEND), (0.7, 0.4)
+    xy = grid_of(case, (5, 6))
+    weight = jacobian_weight(case, xy)(xy)
+    frozen = kernels.euler_lagrange_jacobian(xy, weight, spacing, frozen=True)
+    full = kernels.euler_lagrange_jacobian(xy, weight, spacing)
+    i, j = np.meshgrid(np.arange(5.0), np.arange(6.0), indexing="ij")
+    for linear in (np.stack([i, j]), np.stack([np.ones_like(i), 2 * i - j])):
+        assert np.abs(dense_jacobian(frozen) @ linear.ravel()).max() < 1e-11 * np.abs(frozen).max()
+    # The same second differences stand in the full one: what a node and its opposite share is symmetric.
+    blocks, whole = (planes.reshape(3, 3, 4, 5, 6)[..., 1:-1, 1:-1] for planes in (frozen, full))
+    for p, q in ((0, 0), (0, 1), (0, 2), (1, 0)):
+        opposite = 2 - p, 2 - q
+        assert relative_difference(whole[p, q] + whole[opposite], 2 * blocks[p, q]) < 1e-12
+        assert relative_difference(blocks[p, q], blocks[opposite]) < 1e-12
+
+
+# ---- energies written out by hand ----
+
+
+def written_out(xy, density):
+    """Sum a density of (g1, g2) over the four corners of every cell, in plain Python."""
+    _, ni, nj = xy.shape
+    total, smallest = 0.0, float("inf")
+    for i in range(ni - 1):
+        for j in range(nj - 1):
+            p = {(a, b): (xy[0, i + a, j + b], xy[1, i + a, j + b]) for a in (0, 1) for b in (0, 1)}
+            for a in (0, 1):
+                for b in (0, 1):
+                    g1 = p[1, b][0] - p[0, b][0], p[1, b][1] - p[0, b][1]
+                    g2 = p[a, 1][0] - p[a, 0][0], p[a, 1][1] - p[a, 0][1]
+                    jacobian = g1[0] * g2[1] - g1[1] * g2[0]
+                    total += density(g1, g2, jacobian)
+                    smallest = min(smallest, jacobian)
+    return total, smallest
+
+
+BY_HAND = {
+    "winslow": lambda g1, g2, jacobian: (g1[0] ** 2 + g1[1] ** 2 + g2[0] ** 2 + g2[1] ** 2) / jacobian,
+    "area": lambda g1, g2, jacobian: jacobian**2,
+    "length": lambda g1, g2, jacobian: g1[0] ** 2 + g1[1] ** 2 + g2[0] ** 2 + g2[1] ** 2,
+    "orthogonality": lambda g1, g2, jacobian: (g1[0] * g2[0] + g1[1] * g2[1]) ** 2,
+    "knupp": lambda g1, g2, jacobian: (g1[0] ** 2 + g1[1] ** 2) * (g2[0] ** 2 + g2[1] ** 2) / 2,
+}
+
+
+@pytest.mark.parametrize("backend", ["numpy", BACKEND])
+@pytest.mark.parametrize("name", BY_HAND)
+def test_the_energy_is_the_sum_over_corners(name, backend):
+    xy = random_grid(5, 67)
+    expected, smallest = written_out(xy, BY_HAND[name])
+    energy, least = kernel_set(name, "plain", backend).energy(xy)
+    assert energy == pytest.approx(expected, rel=1e-12)
+    assert least == pytest.approx(smallest, rel=1e-12)
+
+
+def test_a_barrier_stays_visible():
+    """A folded cell and a NaN show in what the kernels return: nothing is clipped."""
+    for backend in ("numpy", BACKEND):
+        xy = random_grid(5, 70)
+        xy[0, 2, 66] += 3.0
+        energy, smallest, _ = kernel_set("winslow", "plain", backend).energy_gradient(xy)
+        assert smallest < 0
+        assert np.isfinite(energy)
+        xy[1, 3, 1] = np.nan
+        assert np.isnan(kernel_set("winslow", "plain", backend).energy(xy)[0])
+
+
+def test_the_regularised_energy_tends_to_the_plain_one():
+    from gridgen_sym.runtime import kernels
+
+    xy = random_grid(6, 6)
+    plain = kernel_set("winslow").energy(xy)[0]
+    errors = [
+        abs(kernels(functional("winslow"), "regularized", {"epsilon": epsilon}, "numpy").energy(xy)[0] - plain)
+        for epsilon in (0.1, 0.05)
+    ]
+    assert errors[1] < errors[0] / 3.5
+
+
+# ---- symmetries of the plane ----
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case[1] != "differentiated"], ids=case_name)
+def test_a_translation_changes_nothing(case):
+    kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
+    weight = moving_weight(case, xy)
+    gradient = kernels.energy_gradient(xy, weight)[2]
+    assert np.abs(gradient.sum(axis=(1, 2))).max() < 1e-11 * np.abs(gradient).max()
+    hessian = dense_hessian(kernels.hessian(xy, weight)).reshape(2, xy[0].size, 2, -1)
+    assert np.abs(hessian.sum(axis=3)).max() < 1e-11 * np.abs(hessian).max()
+
+
+@pytest.mark.parametrize("case", CASES, ids=case_name)
+def test_a_rotation_turns_the_gradient_and_keeps_the_energy(case):
+    kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
+    weight = random_weight(len(kernels.weight_planes), *SIZE)
+    angle = 0.7
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    rotated = np.ascontiguousarray(np.tensordot(turn, xy, 1))
+    energy, smallest, gradient = kernels.energy_gradient(xy, weight)
+    if case[1] == "differentiated":
+        # The slope of the weight is a vector, and turns too.
+        weight[1:3] = np.tensordot(turn, weight[1:3], 1)
+    turned = kernels.energy_gradient(rotated, weight)
+    assert turned[:2] == pytest.approx((energy, smallest), rel=1e-12)
+    assert relative_difference(turned[2], np.tensordot(turn, gradient, 1)) < 1e-12
+
+
+DEGREES = {"area": 4, "length": 2, "orthogonality": 4, "knupp": 4, "winslow": 0, "liao": 4, "modified_liao": 0}
+
+
+@pytest.mark.parametrize("name", BUILTIN)
+def test_scaling_multiplies_the_energy_by_a_power(name):
+    kernels, xy = kernel_set(name, "plain", BACKEND), random_grid(*SIZE)
+    energy, _, gradient = kernels.energy_gradient(xy)
+    if name not in DEGREES:
+        # Mixed degrees: Euler's theorem bounds gradient . position by the smallest and the largest.
+        assert 2 * energy < (gradient * xy).sum() < 4 * energy
+        return
+    degree = DEGREES[name]
+    assert kernels.energy(3 * xy)[0] == pytest.approx(3.0**degree * energy, rel=1e-12)
+    assert (gradient * xy).sum() == pytest.approx(degree * energy, rel=1e-11, abs=1e-10 * energy)

@@ -1,0 +1,122 @@
+"""Known answers of the classification, and that it is decided from the density."""
+
+from __future__ import annotations
+
+import pytest
+import sympy
+
+from gridgen_sym.functionals import functional, functionals
+from gridgen_sym.functionals.definition import Functional
+from gridgen_sym.functionals.metric import symbol
+from gridgen_sym.symbolic import classify
+from gridgen_sym.symbolic.coordinates import METRIC, J, expand_metric, g11, g12, g22
+from gridgen_sym.symbolic.ellipticity import k1, k2
+
+# linear, coupled, type, proof, scaling degree, lower bound, barrier
+KNOWN = {
+    "area": (False, True, "degenerate", "proved", 4, 0, False),
+    "length": (True, False, "elliptic", "proved", 2, 0, False),
+    "orthogonality": (False, True, "changing type", "refuted", 4, 0, False),
+    "combined": (False, True, "changing type", "refuted", None, 0, False),
+    "knupp": (False, True, "changing type", "refuted", 4, 0, False),
+    "winslow": (False, True, "elliptic", "proved", 0, 2, True),
+    "liao": (False, True, "elliptic", "proved", 4, 0, False),
+    "modified_liao": (False, True, "elliptic", "proved", 0, 4, True),
+}
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_known_answers(name):
+    found = classify(functional(name))
+    answer = (
+        found.linear,
+        found.coupled,
+        found.ellipticity.type,
+        found.ellipticity.proof,
+        found.scaling_degree,
+        found.lower_bound.value,
+        found.barrier,
+    )
+    assert answer == KNOWN[name]
+    assert found.lower_bound.proof == "proved"
+    assert found.translation
+    assert found.rotation
+    assert found.exchange
+    assert not found.null_lagrangian
+
+
+def test_determinants():
+    winslow = 4 * (g22 * k1**2 - 2 * g12 * k1 * k2 + g11 * k2**2) ** 2 / J**4
+    assert sympy.expand(classify(functional("winslow")).determinant - winslow) == 0
+    assert classify(functional("area")).determinant == 0
+    assert sympy.expand(classify(functional("length")).determinant - (k1**2 + k2**2) ** 2) == 0
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_determinant_in_metric_symbols_is_that_of_the_symbol(name):
+    found = classify(functional(name))
+    point = {symbol(n): v for n, v in {"x_xi": 2, "y_xi": 1, "x_eta": -1, "y_eta": 3, "k1": 2, "k2": -3}.items()}
+    expected = found.symbol.applyfunc(expand_metric).subs(point).det()
+    assert expand_metric(found.determinant).subs(point) == expected
+
+
+@pytest.mark.parametrize("name", [n for n, known in KNOWN.items() if known[2] == "changing type"])
+def test_witness_is_exact(name):
+    found = classify(functional(name))
+    witness = dict(found.ellipticity.witness)
+    assert all(value.is_Rational for value in witness.values())
+    assert METRIC[J].subs(witness) > 0
+    assert expand_metric(found.determinant).subs(witness) < 0
+
+
+@pytest.mark.parametrize(
+    ("density", "expected"),
+    [
+        ("J", ("linear", "uncoupled", "degenerate")),
+        ("g11", ("linear", "uncoupled", "weakly elliptic")),
+        ("x_xi**2 + 4*x_eta**2 + y_xi**2 + 2*y_eta**2", ("linear", "uncoupled", "elliptic")),
+        ("x_xi*y_eta + x_xi*y_xi", ("linear", "coupled", "elliptic")),
+        ("g11**2 + g22", ("quasilinear", "coupled", "elliptic")),
+        ("-J**2 - g12**2", ("quasilinear", "coupled", "changing type")),
+    ],
+)
+def test_other_densities(density, expected):
+    words = classify(Functional("other", density)).words()
+    assert words[:2] == expected[:2]
+    if density != "x_xi*y_eta + x_xi*y_xi":
+        assert words[2] in (expected[2], "weakly elliptic")
+
+
+def test_null_lagrangian_and_unbounded():
+    found = classify(Functional("jacobian", "J"))
+    assert found.null_lagrangian
+    assert found.reparametrization_degrees == (1, 1)
+    negative = classify(Functional("negative", "-J**2"))
+    assert negative.lower_bound.value is None
+    assert negative.lower_bound.proof == "refuted"
+
+
+def test_invariances_can_fail():
+    found = classify(Functional("skew", "x_xi**2 + g22"))
+    assert not found.rotation
+    assert not found.exchange
+    assert found.scaling_degree == 2
+    assert classify(Functional("mixed", "J**2 + g11")).scaling_degree is None
+
+
+@pytest.mark.parametrize(
+    "density", ["exp(g11)/J", "sqrt(g11)*g22/J", "abs(J - 1)*g11", "log(J)**2 + g11", "s*exp(J)/J"]
+)
+def test_functions_never_raise(density):
+    found = classify(Functional("other", density))
+    assert found.ellipticity.proof in ("proved", "refuted", "sampled")
+
+
+@pytest.mark.parametrize("variant", ["frozen", "differentiated"])
+@pytest.mark.parametrize("name", functionals())
+def test_weighted_variants(name, variant):
+    found = classify(functional(name), variant)
+    assert found.ellipticity.type == classify(functional(name)).ellipticity.type
+    weighted = variant == "differentiated" and found.symbol.has(symbol("s"))
+    assert found.translation != weighted
+    assert found.rotation != weighted

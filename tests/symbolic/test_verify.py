@@ -1,0 +1,118 @@
+"""The errata are found by comparison, and an equation altered on purpose is objected to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import sympy
+
+from gridgen_sym.functionals.paper import PRINTED
+from gridgen_sym.symbolic import verify
+from gridgen_sym.symbolic.notation import read
+
+BY_KEY = {equation.key: equation for equation in PRINTED}
+EXPECTED = {
+    "E1": {"area-integral-2"},
+    "E2": {"area-divergence-1", "area-divergence-2"},
+    "E3": {"area-expanded-2"},
+    "E4": {"knupp-expanded-1", "knupp-expanded-2"},
+    "E5": {"jacobian-k2", "jacobian-k4"},
+    "E6": {"winslow-unfolded", "winslow-bounded", "modified-liao-unfolded"},
+    "E7": {"frobenius-norm"},
+    "E8": {"weight-2"},
+    "E9": {"area-sum", "length-sum", "orthogonality-sum", "combined-sum"},
+}
+
+
+@pytest.fixture(scope="module")
+def verdicts():
+    return {verdict.equation.key: verdict for verdict in verify()}
+
+
+def test_keys_are_unique():
+    assert len(BY_KEY) == len(PRINTED)
+
+
+@pytest.mark.parametrize("key", EXPECTED)
+def test_each_erratum_is_found_where_it_stands(verdicts, key):
+    assert {name for name, verdict in verdicts.items() if verdict.erratum == key} == EXPECTED[key]
+
+
+def test_nothing_else_differs(verdicts):
+    assert not [name for name, verdict in verdicts.items() if verdict.is_discovery]
+
+
+def test_the_difference_of_e3(verdicts):
+    expected = read("x_etaeta*y_xi*(x_xi - y_xi)")
+    assert sympy.expand(verdicts["area-expanded-2"].difference - expected) == 0
+
+
+def test_witnesses(verdicts):
+    assert verdicts["weight-2"].difference == -195
+    assert verdicts["winslow-bounded"].difference == -sympy.oo
+
+
+def altered(key, old, new):
+    equation = BY_KEY[key]
+    texts = tuple(text.replace(old, new, 1) for text in equation.expressions)
+    assert texts != equation.expressions
+    (verdict,) = verify([replace(equation, expressions=texts)])
+    return verdict
+
+
+@pytest.mark.parametrize(
+    ("key", "old", "new"),
+    [
+        ("euler-lagrange-1", "- D_xi", "+ D_xi"),
+        ("area-expanded-1", "- 2.0*", "+ 2.0*"),
+        ("area-expanded-1", "2.0*", ""),
+        ("length-expanded-1", "+", "-"),
+        ("length-expanded-2", "y_xixi", "2*y_xixi"),
+        ("orthogonality-expanded-1", "4*", "2*"),
+        ("orthogonality-expanded-2", "+ 2*x_xi", "- 2*x_xi"),
+        ("orthogonality-divergence-1", "+", "-"),
+        ("knupp-expanded-1", "4*", "2*"),
+        ("knupp-expanded-2", "+ 2*", "- 2*"),
+        ("length-integral-2", "+ y_xi", "- y_xi"),
+        ("orthogonality-integral-3", "/2", ""),
+        ("winslow-sum-1", "+", "-"),
+        ("liao-sum", "+ 2*", "+ "),
+        ("modified-liao-sum-1", "))**2", "))"),
+        ("metric-12", "g2", "g1"),
+        ("metric-determinant", "**2", ""),
+        ("eigenvalues", "+ lambda_2", "- lambda_2"),
+        ("eigenvalue-bound", "2.0", "2.1"),
+        ("vectors-k1", "x_4", "x_1"),
+        ("jacobian-k1", "x_4", "x_3"),
+        ("knupp-parameters", "0.0", "0.1"),
+        ("area-classification", "non-elliptic", "elliptic"),
+        ("length-classification", "uncoupled", "coupled"),
+        ("weight-1", "200", "-200"),
+        ("liao-folds", "no barrier", "barrier"),
+        ("winslow-barrier", "barrier", "no barrier"),
+        ("combined-parameters", "k_L >= 0", "k_L >= 1"),
+    ],
+)
+def test_an_altered_equation_is_objected_to(key, old, new):
+    verdict = altered(key, old, new)
+    assert not verdict.agrees
+    assert verdict.is_discovery or verdict.erratum == "E8"
+
+
+def test_a_lost_factor_is_reported_with_the_factor():
+    verdict = altered("length-expanded-1", "x_xixi + x_etaeta", "3*x_xixi + 3*x_etaeta")
+    assert (verdict.status, verdict.difference, verdict.erratum) == ("agrees up to a factor", 3, None)
+    assert verdict.is_discovery
+
+
+def test_the_corrected_equations_agree():
+    assert altered("area-expanded-2", "y_xi*y_xi*x_etaeta", "x_xi*y_xi*x_etaeta").status == "agrees"
+    assert altered("frobenius-norm", "norm(A)", "norm(A)**2").status == "agrees"
+    assert altered("weight-2", "(sin(2*pi*x)*sin(2*pi*y))", "abs(sin(2*pi*x)*sin(2*pi*y))").agrees
+    assert altered("area-integral-2", "x_xi*y_eta - x_eta*y_xi", "(x_xi*y_eta - x_eta*y_xi)**2/2").status == "agrees"
+
+
+def test_a_different_error_in_the_place_of_e3_is_a_discovery():
+    verdict = altered("area-expanded-2", "y_xi*y_xi*x_etaeta", "2*x_xi*y_xi*x_etaeta")
+    assert verdict.is_discovery
