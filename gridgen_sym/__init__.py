@@ -1,3 +1,43 @@
-"""gridgen_sym: structured quadrilateral grids from variational functionals."""
+"""gridgen_sym: structured quadrilateral grids from variational functionals.
+
+A functional is written once, as a formula; its equations, kernels and solvers are derived, printed, compiled
+or solved from it:
+
+    functionals -> symbolic -> codegen -> generated/ -> runtime -> solvers -> files, pictures
+    one formula    exact       kernels    committed     compiled   grids
+                   derivatives as data    source        or NumPy
+
+Example:
+    >>> import gridgen_sym as gg
+    >>> result = gg.optimize(gg.domain("swan", 41, 41), "winslow")
+    >>> result.converged, result.quality.folded_cells
+    (True, 0)
+"""
 
 __version__ = "0.1.0"
+
+from .errors import GridgenError as GridgenError
+from .functionals import Functional as Functional
+from .functionals import define as define
+from .functionals import functional as functional
+from .functionals import functionals as functionals
+from .grids import Grid as Grid
+from .grids import Outline as Outline
+from .grids import Quality as Quality
+from .grids import domain as domain
+from .grids import domain_names as domain_names
+from .grids import plot_grid as plot_grid
+from .grids import plot_grids as plot_grids
+from .grids import quality as quality
+from .grids import read as read
+from .grids import transfinite as transfinite
+from .grids import write as write
+from .solvers import Result as Result
+from .solvers import Step as Step
+from .solvers import Weight as Weight
+from .solvers import energy as energy
+from .solvers import gradient as gradient
+from .solvers import hessian as hessian
+from .solvers import optimize as optimize
+from .solvers import solve_euler_lagrange as solve_euler_lagrange
+from .solvers import untangle as untangle

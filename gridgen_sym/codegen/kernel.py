@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import sympy
 from sympy import Expr
+from sympy.functions.elementary.piecewise import ExprCondPair
 
 from ..errors import GridgenError
 from ..functionals.metric import sympy_functions
@@ -106,14 +107,12 @@ def check_expressible(expression: Expr) -> None:
     Raises:
         GridgenError: naming the part.
     """
-    functions = tuple(set(sympy_functions().values()) - {sympy.sqrt})
+    arithmetic = (sympy.Symbol, sympy.Rational, sympy.Add, sympy.Mul, sympy.Pow, reciprocal, sympy.exp, sympy.sign)
+    choice = (sympy.Piecewise, ExprCondPair, sympy.StrictGreaterThan, sympy.StrictLessThan)
+    functions = set(sympy_functions().values()) - {sympy.sqrt}
+    expressible_types = (*arithmetic, *choice, *functions)
     for node in sympy.preorder_traversal(expression):
-        expressible = (
-            isinstance(node, (sympy.Symbol, sympy.Rational, sympy.Add, sympy.Mul, sympy.Pow, reciprocal, *functions))
-            or isinstance(node, (sympy.Piecewise, sympy.StrictGreaterThan, sympy.StrictLessThan, sympy.sign, sympy.exp))
-            or isinstance(node, sympy.functions.elementary.piecewise.ExprCondPair)
-            or node in (sympy.pi, sympy.E, sympy.true)
-        )
+        expressible = isinstance(node, expressible_types) or node in (sympy.pi, sympy.E, sympy.true)
         if not expressible:
             raise GridgenError(
                 f"no kernel can be generated from {node} (a {type(node).__name__}): write the density with "

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from gridgen_sym.errors import GridgenError
 
-from . import plot3d, tables, vtk
 from ..atomic import read_bytes, write_bytes
+from . import plot3d, tables, vtk
 from .grid import Grid
 
 

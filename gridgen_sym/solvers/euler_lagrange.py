@@ -193,14 +193,14 @@ def _newton(
 
 def _reduce(
     equations: _Equations,
-    matrix: Any,
+    matrix: Any,  # noqa: ANN401
     coordinates: Array,
     residual: Array,
     damping: float,
-    guard: float,  # noqa: ANN401
+    guard: float,
 ) -> tuple[Array | None, float]:
     """Return a step that lowers the residual's norm (None if there is none), and the damping for the next one."""
-    norm, fixed = np.linalg.norm(residual), equations.problem.fixed
+    norm, fixed = float(np.linalg.norm(residual)), equations.problem.fixed
     right = -to_vector(residual, fixed)
     if damping == 0.0:
         direction = to_field(_solve(matrix, right), fixed)

@@ -67,7 +67,7 @@ def minimize(
         held_back = held_back + 1 if search.folds and before - energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
             return False, (
-                f"the minimum lies beyond the valid grids: every further step downhill would fold a cell. The gradient's "
+                "the minimum lies beyond the valid grids: every step downhill would fold a cell. The gradient's "
                 f"norm is {norm:.2e}, {norm / first:.1e} of its first value. This is the best valid grid on the way; "
                 "keep_valid=False lets cells fold."
             )
@@ -111,7 +111,7 @@ class _Search:
 
 
 def _downhill(search: _Search, semidefinite: bool, shift: float) -> tuple[Array | None, float, bool]:
-    """Return a step that lowers the energy (None if there is none), the shift it took, and whether the Hessian was full."""
+    """Return a step that lowers the energy (or None), the shift for the next one, and whether the Hessian was full."""
     while shift < _LARGEST_SHIFT:
         direction, exact = _direction(search.problem, search.coordinates, search.gradient, semidefinite, shift)
         if search.along(direction):

@@ -109,6 +109,6 @@ def could_not_unfold(coordinates: Array, definition: Functional) -> str:
     """Return what to tell the user about a grid that stayed folded."""
     folds = quality(Grid.from_planes(*coordinates)).describe_folds()
     return (
-        f"untangling with {definition.name} made no more progress; this is the least folded grid that it found. {folds} "
-        "If the boundary itself turns the wrong way there, no valid grid exists: place its nodes or corners differently."
+        f"untangling with {definition.name} made no more progress; this is the least folded grid that it found. {folds}"
+        " If the boundary turns the wrong way there, no valid grid exists: place its nodes or corners differently."
     )

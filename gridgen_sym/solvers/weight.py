@@ -87,7 +87,7 @@ class Weight:
                 f"x = {x[i, j]:.6g}, y = {y[i, j]:.6g}: check its formula there"
             )
         if value.min() < 0 and not self.allow_negative:
-            i, j = np.unravel_index(int(value.argmin()), value.shape)
+            i, j = divmod(int(value.argmin()), value.shape[1])
             raise GridgenError(
                 f"the weight must not be negative: it is {value.min():.6g} at node ({i}, {j}), x = {x[i, j]:.6g}, "
                 f"y = {y[i, j]:.6g}, and the energy has no lower bound then. Add at least {-value.min():.6g} to it, "

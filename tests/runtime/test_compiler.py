@@ -1,0 +1,251 @@
+"""Finding a compiler, and a cache that nothing breaks: no compiler, a bad one, many processes, a killed one, no folder."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from gridgen_sym import messages
+from gridgen_sym.errors import GridgenError
+from gridgen_sym.functionals import define, functional
+from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels
+from gridgen_sym.runtime.compiler import compile_library
+from gridgen_sym.runtime.sources import find_sources
+
+ANSWER = "int answer(void);\n__attribute__((visibility(\"default\"))) int answer(void) { return 42; }\n"
+COMPILER = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
+
+
+def forget():
+    find_compiler.cache_clear()
+    cache_folder.cache_clear()
+    # The module and its function `kernels` have one name in the package.
+    sys.modules["gridgen_sym.runtime.kernels"]._load.cache_clear()
+
+
+@pytest.fixture
+def cache(monkeypatch, tmp_path):
+    """Start with an empty cache, and with nothing found or said before."""
+    for name in ("CC", "GRIDGEN_SYM_BACKEND", "GRIDGEN_SYM_QUIET"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("GRIDGEN_SYM_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(messages, "_said", set())
+    forget()
+    yield tmp_path / "cache"
+    forget()
+
+
+@pytest.fixture
+def no_compiler(monkeypatch, tmp_path, cache):
+    (tmp_path / "empty").mkdir()
+    monkeypatch.setenv("PATH", str(tmp_path / "empty"))
+
+
+def script(path: Path, *lines: str) -> str:
+    """Write a compiler that is a shell script; it tells its version, and has no OpenMP."""
+    told = 'case "$1" in --version) echo "script 1.0"; exit 0;; esac'
+    serial = 'for argument in "$@"; do [ "$argument" = -fopenmp ] && exit 1; done'
+    path.write_text("\n".join(["#!/bin/sh", told, serial, *lines]) + "\n")
+    path.chmod(0o755)
+    return str(path)
+
+
+def libraries(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.glob("*.so"))
+
+
+def answer_of(library: Path) -> int:
+    return ctypes.CDLL(str(library)).answer()
+
+
+# ---- no compiler ----
+
+
+@pytest.mark.usefixtures("no_compiler")
+def test_no_compiler_falls_back_to_numpy_and_says_so_once(capsys):
+    for name in ("length", "area", "length"):
+        assert kernels(functional(name)).backend == "numpy"
+    told = capsys.readouterr().err
+    assert told.count("no C compiler was found") == 1
+    assert "install one" in told
+    assert "GRIDGEN_SYM_BACKEND=numpy" in told
+
+
+@pytest.mark.usefixtures("no_compiler")
+def test_asking_for_numpy_says_nothing(capsys, monkeypatch):
+    monkeypatch.setenv("GRIDGEN_SYM_BACKEND", "numpy")
+    assert kernels(functional("length")).backend == "numpy"
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.usefixtures("no_compiler")
+def test_asking_for_c_without_a_compiler_is_an_error(monkeypatch):
+    with pytest.raises(GridgenError, match="'c' needs a C compiler: install one"):
+        choose_backend("c")
+    monkeypatch.setenv("GRIDGEN_SYM_BACKEND", "c")
+    with pytest.raises(GridgenError, match="'c' needs a C compiler"):
+        kernels(functional("length"))
+    with pytest.raises(GridgenError, match="no C compiler was found: install one"):
+        compile_library("tiny", ANSWER)
+
+
+def test_a_compiler_that_does_not_run_is_none(monkeypatch, tmp_path, cache):
+    broken = tmp_path / "cc"
+    broken.write_text("#!/bin/sh\nexit 127\n")
+    broken.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert find_compiler() is None
+
+
+@pytest.mark.parametrize("name", ["fortran", "C", "cython"])
+def test_an_unknown_backend_is_an_error(name, monkeypatch, cache):
+    with pytest.raises(GridgenError, match=f"unknown backend '{name}'.*'c' or 'numpy'"):
+        choose_backend(name)
+    monkeypatch.setenv("GRIDGEN_SYM_BACKEND", name)
+    with pytest.raises(GridgenError, match=f"unknown backend '{name}'"):
+        kernels(functional("length"))
+
+
+# ---- a compiler that fails ----
+
+
+def test_a_compiler_that_rejects_a_kernel_is_an_error_with_its_messages(monkeypatch, tmp_path, cache):
+    rejecting = script(tmp_path / "rejecting", 'echo "length.c:7:1: error: not today" >&2', "exit 1")
+    monkeypatch.setenv("CC", rejecting)
+    with pytest.raises(GridgenError, match=r"rejected the generated kernels of length(.|\n)*error: not today") as told:
+        kernels(functional("length"))
+    assert "script 1.0" in str(told.value)
+    assert "GRIDGEN_SYM_BACKEND=numpy" in str(told.value)
+    assert libraries(cache) == []
+    assert not list(cache.glob(".build-*"))
+
+
+def test_a_compiler_that_never_ends_is_an_error(monkeypatch, tmp_path, cache):
+    monkeypatch.setenv("CC", script(tmp_path / "endless", "exec sleep 30"))
+    monkeypatch.setattr(compiler, "_COMPILE_SECONDS", 1)
+    with pytest.raises(GridgenError, match="did not finish the kernels of tiny in 1 s"):
+        compile_library("tiny", ANSWER)
+
+
+# ---- the cache ----
+
+
+@needs_compiler
+def test_a_library_is_built_once(cache, capsys):
+    library = compile_library("tiny", ANSWER)
+    assert answer_of(library) == 42
+    built = library.stat().st_mtime_ns
+    assert compile_library("tiny", ANSWER) == library
+    assert library.stat().st_mtime_ns == built
+    assert capsys.readouterr().err.count("compiling the kernels of tiny") == 1
+    assert libraries(cache) == [library.name]
+
+
+@needs_compiler
+def test_the_key_changes_with_everything_that_the_library_depends_on(monkeypatch, cache):
+    told = [compile_library("tiny", ANSWER)]
+    told.append(compile_library("tiny", ANSWER.replace("42", "43")))
+    with monkeypatch.context() as change:
+        change.setattr(compiler, "FLAGS", (*compiler.FLAGS, "-DNOTHING"))
+        told.append(compile_library("tiny", ANSWER))
+    found = find_compiler()
+    for other in (replace(found, version="another"), replace(found, openmp=not found.openmp)):
+        with monkeypatch.context() as change:
+            change.setattr(compiler, "find_compiler", lambda other=other: other)
+            told.append(compile_library("tiny", ANSWER))
+    with monkeypatch.context() as change:
+        change.setattr(compiler, "_processor", lambda: "another")
+        told.append(compile_library("tiny", ANSWER))
+    assert len(set(told)) == len(told) == 6
+    assert answer_of(told[1]) == 43
+
+
+def test_no_flag_hides_a_fold_or_a_nan():
+    command = compiler.Compiler("cc", "", openmp=True).command(Path("source.c"), Path("library.so"))
+    assert not {"-ffast-math", "-Ofast", "-ffinite-math-only", "-funsafe-math-optimizations"} & set(command)
+
+
+_BUILD = f"""
+import ctypes, sys
+from gridgen_sym.runtime.compiler import compile_library
+print(ctypes.CDLL(str(compile_library("tiny", {ANSWER!r}))).answer())
+"""
+
+
+@needs_compiler
+def test_many_processes_at_once_leave_one_library(cache):
+    started = [
+        subprocess.Popen([sys.executable, "-c", _BUILD], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(6)
+    ]
+    told = [process.communicate(timeout=120) for process in started]
+    assert [process.returncode for process in started] == [0] * 6, told
+    assert [out for out, _ in told] == ["42\n"] * 6
+    left = sorted(path.name for path in cache.iterdir())
+    assert len(left) == 2, left
+    assert left[0].startswith("openmp-")
+    assert left[1].startswith("tiny-")
+    assert left[1].endswith(".so")
+
+
+@needs_compiler
+def test_a_killed_build_blocks_nothing(monkeypatch, tmp_path, cache):
+    waiting, started = tmp_path / "wait", tmp_path / "started"
+    waiting.touch()
+    monkeypatch.setenv(
+        "CC", script(tmp_path / "slow", f'[ -e "{waiting}" ] && touch "{started}" && sleep 60', f'exec "{COMPILER}" "$@"')
+    )
+    building = subprocess.Popen(
+        [sys.executable, "-c", _BUILD], start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    give_up = time.monotonic() + 60
+    while not started.exists():
+        assert time.monotonic() < give_up
+        assert building.poll() is None
+        time.sleep(0.02)
+    os.killpg(building.pid, signal.SIGKILL)
+    building.wait(timeout=30)
+    assert libraries(cache) == []
+    waiting.unlink()
+    assert answer_of(compile_library("tiny", ANSWER)) == 42
+
+
+@needs_compiler
+def test_a_cache_folder_that_cannot_be_written_is_replaced_and_said(monkeypatch, tmp_path, cache, capsys):
+    (tmp_path / "file").write_text("not a folder")
+    monkeypatch.setenv("GRIDGEN_SYM_CACHE", str(tmp_path / "file" / "below"))
+    assert answer_of(compile_library("tiny", ANSWER)) == 42
+    assert answer_of(compile_library("tiny", ANSWER.replace("42", "44"))) == 44
+    told = capsys.readouterr().err
+    assert told.count("cannot be written") == 1
+    assert "set GRIDGEN_SYM_CACHE" in told
+
+
+# ---- sources derived when first used ----
+
+
+@pytest.mark.usefixtures("clean_registry")
+def test_a_functional_of_a_user_is_derived_once_and_kept(cache, capsys):
+    mine = define("mine", "g11 + 2*g22 + k*J**2", parameters={"k": 1})
+    first = find_sources(mine, "plain")
+    assert all(path.is_relative_to(cache) and path.exists() for path in first)
+    assert find_sources(define("mine", "g11 + 2*g22 + k*J**2", parameters={"k": 5}, replace=True), "plain") == first
+    assert capsys.readouterr().err.count("deriving the kernels of mine") == 1
+    other = find_sources(define("mine", "g11 + 3*g22 + k*J**2", parameters={"k": 1}, replace=True), "plain")
+    assert not set(other) & set(first)
+
+
+def test_committed_sources_are_not_derived_again(cache, capsys):
+    find_sources(functional("winslow"), "plain")
+    assert capsys.readouterr().err == ""
+    assert not (cache / "sources").exists()
