@@ -68,10 +68,15 @@ class KernelSet:
         return float(rows[0].sum()), float(rows[1].min())
 
     def energy_gradient(
-        self, coordinates: Array, weight: Array | None = None, *, interior_only: bool = False
+        self,
+        coordinates: Array,
+        weight: Array | None = None,
+        *,
+        interior_only: bool = False,
+        out: Array | None = None,
     ) -> tuple[float, float, Array]:
-        """Return the energy, the smallest Jacobian, and the gradient (2, ni, nj) in all nodes."""
-        rows, gradient = np.empty((2, coordinates.shape[1] - 1)), np.empty_like(coordinates)
+        """Return the energy, the smallest Jacobian, and the gradient (2, ni, nj) in all nodes (written to `out`)."""
+        rows, gradient = np.empty((2, coordinates.shape[1] - 1)), np.empty_like(coordinates) if out is None else out
         self._call("energy_gradient", coordinates, weight, rows[0], rows[1], gradient, interior_only=interior_only)
         return float(rows[0].sum()), float(rows[1].min()), gradient
 
@@ -82,13 +87,14 @@ class KernelSet:
         *,
         semidefinite: bool = False,
         interior_only: bool = False,
+        out: Array | None = None,
     ) -> Array:
         """Return the stored half of the block Hessian, (19, ni, nj).
 
         The block of node (i, j) with itself (xx, xy, yy), then with (i+1, j), (i, j+1), (i+1, j+1), (i+1, j-1)
-        (xx, xy, yx, yy each).
+        (xx, xy, yx, yy each). With `out`, it is written there.
         """
-        planes = np.empty((HESSIAN_PLANES, *coordinates.shape[1:]))
+        planes = np.empty((HESSIAN_PLANES, *coordinates.shape[1:])) if out is None else out
         name = "semidefinite_hessian" if semidefinite else "hessian"
         self._call(name, coordinates, weight, planes, interior_only=interior_only)
         return planes

@@ -126,9 +126,11 @@ def solve_euler_lagrange(
         said = ""
         if method == "newton" and problem.kernels.barrier and corner_jacobians(*coordinates).min() <= 0:
             said = "The grid was folded at the start and was untangled first: "
+            report.begin("untangle", grid.shape)
             if not unfold(problem, definition, coordinates, parameters, report):
                 return result_of(problem, coordinates, report, False, could_not_unfold(coordinates, definition))
             problem.refresh(coordinates)
+        report.begin("solve", grid.shape)
         if method == "relaxation":
             limit = 100_000 if max_iterations is None else max_iterations
             converged, message = _relax(equations, coordinates, report, tolerance, limit, relaxation)

@@ -7,16 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime import Array
+from .linear import LinearSolver, linear_solver
 from .problem import Problem, jacobian_floor
 from .progress import Progress
-from .sparse import assemble_hessian, to_field, to_vector
 
 #: Armijo's constant, and how often a step is halved.
 _SUFFICIENT, _HALVINGS = 1e-4, 40
 #: Steps in a row that are cut short by the guard and lower the energy by less than a little: it holds the grid back.
 _PATIENCE, _LITTLE = 5, 1e-6
 #: Shift of the semidefinite Hessian, over its mean diagonal, beyond which steps are too short to matter.
-_LARGEST_SHIFT = 1e3
+_LARGEST_SHIFT, _SMALLEST_SHIFT = 1e3, 1e-8
+#: Relative residuals of the linear solves.
+_LOOSEST, _TIGHTEST = 0.1, 1e-3
 
 
 def minimize(
@@ -28,53 +30,118 @@ def minimize(
     max_iterations: int,
     keep_valid: bool,
     semidefinite: bool = False,
+    reference: float | None = None,
+    solver: LinearSolver | None = None,
 ) -> tuple[bool, str]:
     """Minimise until the gradient's norm has fallen by the factor `tolerance`; changes `coordinates` in place.
 
     Uses the full Hessian while its steps lead downhill and are not cut; after a step that was cut, the
-    semidefinite one, shifted where it is singular. With `semidefinite` only that one.
+    semidefinite one, shifted where it is singular. With `semidefinite` only that one. The linear systems are
+    solved only as well as the step deserves (Eisenstat and Walker 1996).
+
+    Args:
+        problem: what is minimised.
+        coordinates: (2, ni, nj), the start and the result.
+        progress: is told of every step.
+        tolerance: factor by which the gradient's norm must fall.
+        max_iterations: Newton steps.
+        keep_valid: no step takes the smallest Jacobian of a valid grid to zero; barrier functionals never do.
+        semidefinite: use the semidefinite Hessian only.
+        reference: the norm that the gradient must fall from; by default that at the start.
+        solver: what solves the linear systems; by default the backend's.
 
     Returns:
         Whether it converged, and why it stopped.
     """
     guard = keep_valid or problem.kernels.barrier
     energy, smallest, gradient = problem.energy_gradient(coordinates)
-    norm = first = float(np.linalg.norm(gradient))
+    norm = float(np.linalg.norm(gradient))
+    first = reference or norm
     progress.step(0, energy, norm, smallest)
-    floor = jacobian_floor(smallest)
-    use_semidefinite, shift, held_back = semidefinite, 0.0, 0
+    floor, round_off = jacobian_floor(smallest), problem.round_off(coordinates, 1.0)
+    state = _Newton(problem, solver or linear_solver(problem.fixed, problem.kernels.backend), semidefinite)
+    held_back = 0
     for iteration in range(max_iterations + 1):
-        if norm <= max(tolerance * first, problem.round_off(coordinates, energy)):
+        if norm <= max(tolerance * first, round_off * abs(energy)):
             return True, f"the gradient's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
         if iteration == max_iterations:
             break
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.
         lowest = max(floor, 0.1 * smallest) if guard and smallest > 0 else -np.inf
         search = _Search(problem, coordinates, energy, gradient, lowest)
-        step, shift, exact = _downhill(search, use_semidefinite, shift)
+        step = state.downhill(search)
         if step is None:
-            return (
-                False,
-                f"no step downhill was found; the gradient's norm is {norm:.2e}, {norm / first:.1e} of its first.",
-            )
+            return False, _stuck("no step downhill was found", norm, first)
         coordinates += step
-        before = energy
+        before = energy, norm
         problem.refresh(coordinates)
         energy, smallest, gradient = problem.energy_gradient(coordinates)
         norm = float(np.linalg.norm(gradient))
         progress.step(iteration + 1, energy, norm, smallest)
-        use_semidefinite = semidefinite or search.length < (0.2 if exact else 0.5)
-        held_back = held_back + 1 if search.folds and before - energy < _LITTLE * abs(energy) else 0
+        state.learn(search.length, norm / before[1])
+        held_back = held_back + 1 if search.folds and before[0] - energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
-            return False, (
-                "the minimum lies beyond the valid grids: every step downhill would fold a cell. The gradient's "
-                f"norm is {norm:.2e}, {norm / first:.1e} of its first value. This is the best valid grid on the way; "
-                "keep_valid=False lets cells fold."
-            )
-    return False, (
-        f"{max_iterations} Newton steps have brought the gradient's norm to {norm:.2e}, {norm / first:.1e} of its "
-        f"first value, not to {tolerance:.1e}: allow more with max_iterations."
-    )
+            why = "the minimum lies beyond the valid grids: every step downhill would fold a cell"
+            return False, _stuck(why, norm, first) + " This is the best valid grid; keep_valid=False lets cells fold."
+    return False, _stuck(f"{max_iterations} Newton steps were not enough; allow more with max_iterations", norm, first)
+
+
+def _stuck(why: str, norm: float, first: float) -> str:
+    return f"{why}. The gradient's norm is {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+
+
+@dataclass(slots=True)
+class _Newton:
+    """Which Hessian to use, how much to shift it, and how well to solve with it; learnt from step to step.
+
+    Attributes:
+        only_semidefinite: never use the full Hessian.
+        cautious: use the semidefinite one next, because the last step was cut.
+        shift: added to the diagonal, over its mean.
+        forcing: relative residual of the next linear solve.
+    """
+
+    problem: Problem
+    solver: LinearSolver
+    only_semidefinite: bool
+    cautious: bool = False
+    shift: float = 0.0
+    forcing: float = _LOOSEST
+    exact: bool = False
+    planes: Array | None = None
+
+    def downhill(self, search: _Search) -> Array | None:
+        """Return a step that lowers the energy, or None if no shift gives one."""
+        semidefinite = self.only_semidefinite or self.cautious
+        while self.shift < _LARGEST_SHIFT:
+            direction = self._direction(search, semidefinite)
+            if direction is not None and search.along(direction):
+                return search.length * direction
+            if semidefinite:
+                self.shift = max(10 * self.shift, 1e-6)
+            semidefinite = True
+        return None
+
+    def _direction(self, search: _Search, semidefinite: bool) -> Array | None:
+        """Return Newton's direction, or None if this Hessian is not positive."""
+        self.exact = not semidefinite
+        self.planes = self.problem.hessian(search.coordinates, semidefinite=semidefinite, out=self.planes)
+        # The semidefinite Hessian may be singular (area's is); a small shift makes it definite.
+        shift = max(self.shift, _SMALLEST_SHIFT) if semidefinite else self.shift
+        if shift:
+            size = 0.5 * float(self.planes[0].mean() + self.planes[2].mean())
+            self.planes[0] += shift * size
+            self.planes[2] += shift * size
+        if not self.solver.set_operator(self.planes):
+            return None
+        solution = self.solver.solve(-search.gradient, self.forcing)
+        return solution.vector if solution.positive else None
+
+    def learn(self, length: float, reduction: float) -> None:
+        """Draw the lesson of a step of some length that changed the gradient's norm by a factor."""
+        self.cautious = length < (0.2 if self.exact else 0.5)
+        self.shift = 0.0 if length == 1.0 and self.exact else (self.shift / 10 if length > 0.5 else self.shift)
+        self.forcing = min(_LOOSEST, max(_TIGHTEST, 0.5 * reduction))
 
 
 @dataclass(slots=True)
@@ -108,35 +175,3 @@ class _Search:
             self.folds |= bool(lower)
             self.length *= 0.5
         return False
-
-
-def _downhill(search: _Search, semidefinite: bool, shift: float) -> tuple[Array | None, float, bool]:
-    """Return a step that lowers the energy (or None), the shift for the next one, and whether the Hessian was full."""
-    while shift < _LARGEST_SHIFT:
-        direction, exact = _direction(search.problem, search.coordinates, search.gradient, semidefinite, shift)
-        if search.along(direction):
-            return search.length * direction, shift / 10 if search.length > 0.5 else shift, exact
-        semidefinite, shift = True, max(10 * shift, 1e-6)
-    return None, shift, False
-
-
-def _direction(
-    problem: Problem, coordinates: Array, gradient: Array, semidefinite: bool, shift: float
-) -> tuple[Array, bool]:
-    """Return a direction that leads downhill, and whether it is that of the full Hessian."""
-    from scipy.sparse import identity
-    from scipy.sparse.linalg import splu
-
-    right = -to_vector(gradient, problem.fixed)
-    for attempt_semidefinite in (False, True)[int(semidefinite) :]:
-        matrix = assemble_hessian(problem.hessian(coordinates, semidefinite=attempt_semidefinite), problem.fixed)
-        size = abs(matrix.diagonal()).mean()
-        # The semidefinite Hessian may be singular (area); a small shift makes it definite.
-        moved = max(shift, 1e-10 if attempt_semidefinite else 0.0) * size
-        try:
-            solution = splu(matrix + moved * identity(matrix.shape[0], format="csc")).solve(right)
-        except RuntimeError:
-            continue
-        if np.isfinite(solution).all() and solution @ right > 0:
-            return to_field(solution, problem.fixed), not attempt_semidefinite
-    return -gradient / size, False

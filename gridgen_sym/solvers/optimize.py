@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -13,16 +14,18 @@ from ..functionals.definition import Functional, functional
 from ..grids import Grid
 from ..runtime import Array
 from .local import sweep_until_converged
+from .nested import nested_start, worth_nesting
 from .newton import minimize
-from .problem import check_controls, make_problem, result_of
+from .problem import Problem, check_controls, make_problem, result_of
 from .progress import Callback, Progress
 from .result import Result
 from .sparse import assemble_hessian
 from .untangle import could_not_unfold, unfold
 from .weight import Source, Weight
 
-#: For each method: what runs it, and how many iterations it is given.
-_METHODS = {"newton": (minimize, 200), "local": (sweep_until_converged, 5000)}
+#: Iterations that a method is given where the caller does not say.
+_NEWTON_STEPS, _SWEEPS = 200, 5000
+_UNTANGLED = "The grid was folded at the start and was untangled first: "
 
 
 def optimize(
@@ -67,37 +70,97 @@ def optimize(
     Raises:
         GridgenError: for input that cannot be used.
     """
-    if method not in _METHODS:
+    if method not in ("newton", "local"):
         raise GridgenError(f"unknown method {method!r}: optimize takes 'newton' or 'local'")
     check_controls(tolerance, max_iterations)
-    solve, default_iterations = _METHODS[method]
     definition = functional(name)
-    problem = make_problem(
-        grid,
-        definition,
-        weight=weight,
-        fixed=fixed,
-        parameters=parameters,
-        interior_only=interior_only,
-        backend=backend,
-    )
-    coordinates = grid.planes.copy()
-    with Progress(f"{definition.name}, {method}", callback, progress) as report:
-        said = ""
-        if problem.kernels.barrier and problem.energy(coordinates)[1] <= 0:
-            said = "The grid was folded at the start and was untangled first: "
-            if not unfold(problem, definition, coordinates, parameters, report):
-                return result_of(problem, coordinates, report, False, could_not_unfold(coordinates, definition))
-            problem.refresh(coordinates)
-        converged, message = solve(
-            problem,
-            coordinates,
-            report,
-            tolerance=tolerance,
-            max_iterations=default_iterations if max_iterations is None else max_iterations,
-            keep_valid=keep_valid,
+
+    def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
+        return make_problem(
+            on,
+            definition,
+            weight=weight,
+            fixed=fixed,
+            parameters=parameters,
+            interior_only=interior_only,
+            backend=backend,
         )
-    return result_of(problem, coordinates, report, converged, said + message)
+
+    run = _Run(make(grid, fixed), definition, parameters, grid.planes.copy())
+    with Progress(f"{definition.name}, {method}", callback, progress) as report:
+        try:
+            if method == "newton" and worth_nesting(run.problem, run.coordinates):
+                run.take(nested_start(make, definition, run.coordinates, parameters, report))
+            if not run.make_valid(report):
+                message = could_not_unfold(run.coordinates, definition)
+                return result_of(run.problem, run.coordinates, report, False, message)
+            report.begin("minimize", grid.shape)
+            if method == "newton":
+                converged, message = minimize(
+                    run.problem,
+                    run.coordinates,
+                    report,
+                    max_iterations=_NEWTON_STEPS if max_iterations is None else max_iterations,
+                    tolerance=tolerance,
+                    keep_valid=keep_valid,
+                    reference=run.reference,
+                )
+            else:
+                converged, message = sweep_until_converged(
+                    run.problem,
+                    run.coordinates,
+                    report,
+                    max_iterations=_SWEEPS if max_iterations is None else max_iterations,
+                    tolerance=tolerance,
+                    keep_valid=keep_valid,
+                )
+        except KeyboardInterrupt:
+            converged, message = False, "it was interrupted; this is the best grid that it had."
+    return result_of(run.problem, run.coordinates, report, converged, run.said + message)
+
+
+@dataclass(slots=True)
+class _Run:
+    """The state of one `optimize`: the grid as it is now, and what must be said of how it came about.
+
+    Attributes:
+        reference: norm of the gradient at the start that was given, from which it must fall; None where that
+            start was on the wrong side of the barrier.
+    """
+
+    problem: Problem
+    functional: Functional
+    parameters: Mapping[str, float] | None
+    coordinates: Array
+    reference: float | None = None
+    said: str = ""
+
+    def take(self, start: Array | None) -> None:
+        """Take a better start, if it is one: valid where the given one is not, or else of lower energy."""
+        energy, smallest, gradient = self.problem.energy_gradient(self.coordinates)
+        if smallest > 0 or not self.problem.kernels.barrier:
+            self.reference = float(np.linalg.norm(gradient))
+        if start is None:
+            return
+        self.problem.refresh(start)
+        new_energy, new_smallest = self.problem.energy(start)
+        if (new_smallest > 0) > (smallest > 0) or (new_energy < energy and (new_smallest > 0) == (smallest > 0)):
+            if self.problem.kernels.barrier and not smallest > 0:
+                self.said = _UNTANGLED
+            self.coordinates = start
+        else:
+            self.problem.refresh(self.coordinates)
+
+    def make_valid(self, report: Progress) -> bool:
+        """Untangle, where the functional has a barrier and the grid is folded; return whether that was possible."""
+        if not self.problem.kernels.barrier or self.problem.energy(self.coordinates)[1] > 0:
+            return True
+        self.said = _UNTANGLED
+        report.begin("untangle", self.problem.fixed.shape)
+        if not unfold(self.problem, self.functional, self.coordinates, self.parameters, report):
+            return False
+        self.problem.refresh(self.coordinates)
+        return True
 
 
 def untangle(
@@ -124,6 +187,7 @@ def untangle(
         raise GridgenError(f"untangling needs a functional with a barrier at J = 0, such as winslow; {name!r} has none")
     coordinates = grid.planes.copy()
     with Progress(f"{definition.name}, untangle", callback, progress) as report:
+        report.begin("untangle", grid.shape)
         valid = unfold(problem, definition, coordinates, parameters, report)
     message = "every corner's Jacobian is positive." if valid else could_not_unfold(coordinates, definition)
     return result_of(problem, coordinates, report, valid, message)

@@ -59,10 +59,14 @@ class Problem:
         gradient[:, self.fixed != 0] = 0.0
         return energy, smallest, gradient
 
-    def hessian(self, coordinates: Array, *, semidefinite: bool = False) -> Array:
+    def hessian(self, coordinates: Array, *, semidefinite: bool = False, out: Array | None = None) -> Array:
         """Return the stored half of the Hessian (19, ni, nj); entries of fixed nodes are not removed."""
         return self.kernels.hessian(
-            coordinates, self.weights(coordinates), semidefinite=semidefinite, interior_only=self.interior_only
+            coordinates,
+            self.weights(coordinates),
+            semidefinite=semidefinite,
+            interior_only=self.interior_only,
+            out=out,
         )
 
     def round_off(self, coordinates: Array, energy: float) -> float:

@@ -29,6 +29,7 @@ class Progress:
         """
         self.history: list[Step] = []
         self._title = title
+        self._stage, self._shape = "start", (0, 0)
         self._callback = callback
         self._show = sys.stderr.isatty() if show is None else show
         self._begin = time.monotonic()
@@ -45,9 +46,14 @@ class Progress:
         if self._status is not None:
             self._status.stop()
 
+    def begin(self, stage: str, shape: tuple[int, int]) -> None:
+        """Begin a stage on a grid of a shape; the history is that of the last stage."""
+        self._stage, self._shape = stage, shape
+        self.history.clear()
+
     def step(self, iteration: int, energy: float, gradient_norm: float, min_jacobian: float) -> None:
         """Record one step and tell whoever wants to know."""
-        step = Step(iteration, energy, gradient_norm, min_jacobian)
+        step = Step(iteration, energy, gradient_norm, min_jacobian, self._stage, self._shape)
         self.history.append(step)
         if self._callback is not None:
             self._callback(step)
@@ -56,7 +62,8 @@ class Progress:
 
     def _display(self, step: Step) -> None:
         text = (
-            f"{self._title}: iteration {step.iteration}, energy {step.energy:.6g}, "
+            f"{self._title}: {step.stage} {step.shape[0]} x {step.shape[1]}, iteration {step.iteration}, "
+            f"energy {step.energy:.6g}, "
             f"gradient {step.gradient_norm:.2e}, smallest J {step.min_jacobian:.2e}"
         )
         if self._status is None:

@@ -16,12 +16,16 @@ class Step:
         energy: the discrete energy; NaN where the solver does not compute it.
         gradient_norm: Euclidean norm of the energy's gradient, or of the Euler-Lagrange residual, in the free nodes.
         min_jacobian: the smallest Jacobian at any corner of any cell.
+        stage: `minimize`, `untangle` or `solve`; a callback sees all stages, on coarser grids too.
+        shape: nodes (ni, nj) of the grid that the step was on.
     """
 
     iteration: int
     energy: float
     gradient_norm: float
     min_jacobian: float
+    stage: str
+    shape: tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +38,7 @@ class Result:
         message: why it stopped, as a sentence; also what the user must know of the result.
         iterations: sweeps or Newton steps.
         energy: discrete energy of `grid`, over all corners of all cells (or the paper's set, where that was asked for).
-        history: one entry per iteration.
+        history: one entry per iteration of the last stage.
     """
 
     grid: Grid

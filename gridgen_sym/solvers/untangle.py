@@ -15,6 +15,7 @@ import numpy as np
 from ..functionals.definition import Functional
 from ..grids import Grid, corner_jacobians, quality
 from ..runtime import Array, kernels
+from .linear import linear_solver
 from .newton import minimize
 from .problem import Problem
 from .progress import Progress
@@ -45,6 +46,7 @@ def unfold(
     epsilon = _first_epsilon(coordinates, least)
     best, best_key, stalled = coordinates.copy(), (count, -least), 0
     previous = np.inf
+    solver = linear_solver(problem.fixed, problem.kernels.backend)
     for _ in range(max_rounds):
         if least > 0:
             return True
@@ -58,6 +60,7 @@ def unfold(
             max_iterations=_INNER_STEPS,
             keep_valid=False,
             semidefinite=True,
+            solver=solver,
         )
         energy, _ = regularized.energy(coordinates)
         least, count = _folds(coordinates)

@@ -1,0 +1,32 @@
+"""The command line. It parses, prints and sets exit codes; all work is done elsewhere.
+
+Exit codes: 0 for success; 1 where an answer is bad (folded cells, a difference, a failed check); 2 for input that
+cannot be used; 130 after Ctrl-C. Modules here import only click: what a command needs is loaded when it runs.
+"""
+
+from __future__ import annotations
+
+import click
+
+from gridgen_sym import __version__
+
+from .base import Program, functionals_option
+from .formulas import check, derive, functionals, generate, verify
+from .grids import domains, grid, quality
+from .system import info, paper
+
+
+@click.group(cls=Program, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, package_name="gridgen-sym", prog_name="gridgen-sym")
+@functionals_option
+def main() -> None:
+    """Structured quadrilateral grids from variational functionals.
+
+    \b
+    gridgen-sym grid swan -f winslow -o swan.vts --plot swan.png
+    gridgen-sym derive winslow
+    """  # noqa: D301 - click reads the backspace: keep the lines
+
+
+for _command in (grid, quality, domains, functionals, derive, check, verify, generate, info, paper):
+    main.add_command(_command)

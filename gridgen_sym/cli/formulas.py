@@ -1,0 +1,139 @@
+"""Commands about formulas: `functionals`, `derive`, `check`, `verify`, `generate`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from .base import functionals_option
+
+if TYPE_CHECKING:
+    from gridgen_sym.functionals import Functional
+    from gridgen_sym.symbolic import Verdict
+
+
+@click.command()
+@functionals_option
+def functionals() -> None:
+    """List the functionals with their classification, which is derived now."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    from gridgen_sym.functionals import functional
+    from gridgen_sym.functionals import functionals as names
+
+    head = ("name", "density", "equations", "barrier", "parameters", "what it asks for")
+    table = Table(*head, box=box.SIMPLE_HEAD, pad_edge=False)
+    with Console(stderr=True).status("classifying ..."):
+        for name in names():
+            table.add_row(*_row(functional(name)))
+    # Where nobody looks at a terminal, no line is cut to the width of one.
+    Console(width=None if sys.stdout.isatty() else 200).print(table)
+
+
+def _row(definition: Functional) -> tuple[str, ...]:
+    """Return what the list says of one functional."""
+    from gridgen_sym.symbolic import classify
+
+    kind = classify(definition)
+    parameters = ", ".join(f"{name}={value:g}" for name, value in definition.parameters.items())
+    return (
+        definition.name,
+        str(definition.expression()),
+        ", ".join(kind.words()),
+        "yes" if kind.barrier else "no",
+        parameters,
+        definition.description,
+    )
+
+
+@click.command()
+@click.argument("name")
+@click.option("--latex", is_flag=True, help="A LaTeX fragment for a document that loads amsmath.")
+@functionals_option
+def derive(name: str, latex: bool) -> None:
+    """Print every equation derived from the functional NAME."""
+    from gridgen_sym.functionals import functional
+
+    definition = functional(name)
+    from gridgen_sym.symbolic import derive_latex, derive_text
+
+    click.echo((derive_latex if latex else derive_text)(definition), nl=False)
+
+
+@click.command()
+@click.argument("name")
+@functionals_option
+def check(name: str) -> None:
+    """Check all that is derived from the functional NAME against independent computations."""
+    from gridgen_sym.functionals import functional
+
+    definition = functional(name)
+    from gridgen_sym.selfcheck import checks
+
+    failed = 0
+    for line in checks(definition):
+        failed += not line.passed
+        click.secho("ok      " if line.passed else "FAILED  ", fg="green" if line.passed else "red", nl=False)
+        click.echo(line.text)
+    if failed:
+        click.secho(f"{failed} checks of {name} failed", fg="red", err=True)
+        raise click.exceptions.Exit(1)
+
+
+@click.command()
+def verify() -> None:
+    """Compare every printed equation of the paper with what is derived."""
+    from gridgen_sym.symbolic import verify as verdicts
+
+    told = verdicts()
+    for verdict in told:
+        click.secho(f"{verdict.equation.place}: ", nl=False)
+        click.secho(_answer(verdict), fg=_color(verdict))
+    known = [verdict.erratum for verdict in told if verdict.erratum]
+    agreeing = sum(verdict.agrees and not verdict.erratum for verdict in told)
+    discoveries = sum(verdict.is_discovery for verdict in told)
+    click.echo(
+        f"{len(told)} printed equations and claims: {agreeing} agree, {len(known)} are known errata "
+        f"({', '.join(sorted(set(known)))}), {discoveries} differ without a known erratum"
+    )
+    if discoveries:
+        raise click.exceptions.Exit(1)
+
+
+def _answer(verdict: Verdict) -> str:
+    """Return one line: agrees, or the exact difference."""
+    text = verdict.text
+    # A number is a factor or a value, and the text says which; anything else is printed minus derived.
+    if verdict.difference.free_symbols and str(verdict.difference) not in text:
+        text = f"printed - derived = {verdict.difference}; {text}"
+    head = f"{verdict.status} [{verdict.erratum}]" if verdict.erratum else verdict.status
+    return f"{head}: {text}" if text else head
+
+
+def _color(verdict: Verdict) -> str:
+    return "red" if verdict.is_discovery else "yellow" if verdict.erratum else "green"
+
+
+@click.command()
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; print a diff, and exit 1 if there is one.")
+def generate(only_check: bool) -> None:
+    """Write the folder `generated/`: kernels in C and NumPy, and the derived equations."""
+    from gridgen_sym.codegen.generate import check_generated, write_generated
+
+    if only_check:
+        difference = check_generated()
+        click.echo(difference, nl=False)
+        if difference:
+            click.secho("generated/ is not what is derived now: run  gridgen-sym generate", fg="red", err=True)
+            raise click.exceptions.Exit(1)
+        click.echo("generated/ is what is derived now")
+        return
+    changed = write_generated()
+    for path in changed:
+        click.echo(os.path.relpath(path) if path.is_relative_to(os.getcwd()) else str(path))
+    click.echo(f"{len(changed)} files changed")

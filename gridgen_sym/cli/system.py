@@ -1,0 +1,76 @@
+"""Commands about the program itself: `info` and `paper`."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+from pathlib import Path
+
+import click
+
+_PACKAGES = ("numpy", "scipy", "sympy", "matplotlib")
+
+
+@click.command()
+def info() -> None:
+    """Tell which backend, compiler, cache and versions are used, and why."""
+    from gridgen_sym import __version__
+    from gridgen_sym.resources import resource_folder
+    from gridgen_sym.runtime import cache_folder, find_compiler, thread_count
+
+    compiler = find_compiler()
+    threads = thread_count()
+    folder = cache_folder()
+    rows = [
+        ("gridgen_sym", f"{__version__}, in {Path(__file__).parent.parent}"),
+        ("backend", _backend(compiler is not None)),
+        ("compiler", f"{compiler.path}: {compiler.version}" if compiler else "none found (CC, cc, gcc, clang)"),
+        ("OpenMP", "yes" if compiler and compiler.openmp else "no"),
+        ("threads", f"{threads} ({'OMP_NUM_THREADS' if os.environ.get('OMP_NUM_THREADS') else 'processors'})"),
+        ("cache", f"{folder} ({_size(folder)})"),
+        ("generated", str(resource_folder("generated"))),
+        ("python", f"{platform.python_version()} on {platform.system()} {platform.machine()}"),
+        *((name, _version(name)) for name in _PACKAGES),
+    ]
+    for label, text in rows:
+        click.echo(f"{label:<12}{text}")
+
+
+def _backend(has_compiler: bool) -> str:
+    """Return the name of the backend in use, and why it is that one."""
+    from gridgen_sym.runtime import choose_backend
+
+    forced = os.environ.get("GRIDGEN_SYM_BACKEND")
+    if forced:
+        return f"{choose_backend().name} (GRIDGEN_SYM_BACKEND)"
+    return "c (a compiler was found)" if has_compiler else "numpy (no C compiler was found)"
+
+
+def _size(folder: Path) -> str:
+    """Return the number of files in a folder and their size; files may vanish meanwhile."""
+    sizes = []
+    for path in folder.rglob("*"):
+        try:
+            sizes += [path.stat().st_size] if path.is_file() else []
+        except OSError:
+            continue
+    return f"{len(sizes)} files, {sum(sizes) / 1e6:.1f} MB"
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
+
+
+@click.command()
+@click.option(
+    "-o", "--output", "folder", default="out", show_default=True, metavar="DIR", help="Where pictures and table go."
+)
+def paper(folder: str) -> None:
+    """Make every example of the paper: pictures and a table."""
+    from gridgen_sym.paper_examples import run
+
+    run(Path(folder), click.echo)

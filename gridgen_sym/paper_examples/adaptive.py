@@ -1,0 +1,213 @@
+"""Section 4.1: grids adapted by the area functional, with the paper's two weights on the unit square.
+
+Two things must be known of this example. The area functional is degenerate (its principal symbol has no
+determinant), and the weights change from node to node by more than a factor of five near their zero lines: the
+corners of one cell, with their different weights, pull it out of shape. The sweeps first spread the nodes as the
+weight asks and then roughen the grid, so they are stopped, as the paper's smooth figures must have been. And the
+second weight is negative on half of the square, where the energy has no lower bound (erratum E8).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from ..errors import GridgenError
+from ..grids import Grid, domain
+from ..solvers import Weight, energy
+from .case import Case, sweep
+from .claim import Claim, decide
+from .report import Example, Picture
+
+FIRST = "5 + 200*abs(sin(2*pi*x)*sin(2*pi*y))"
+SECOND = "5 + 200*sin(2*pi*x)*sin(2*pi*y)"
+#: An odd number of cells: no node starts on the lines x = 1/2 and y = 1/2, where the first weight has a kink.
+CELLS = 29
+#: Sweeps: until the nodes have spread, with the weight that is negative somewhat fewer; and too many.
+STOP, STOP_NEGATIVE, TOO_MANY = 6, 2, 100
+PRODUCT, ROOT_PRODUCT, SHARE = "spread of s·J", "spread of √s·J", "cells where s > 0"
+
+
+def equidistribution(grid: Grid, formula: str) -> dict[str, float]:
+    """Return the spread (standard deviation over mean) of s·J and √s·J over the cells, and where the cells are.
+
+    J is the cell's area, s the weight at the mean of its nodes. The spreads mean nothing where s is negative and
+    are left out then; in their place stands the share of the cells whose weight is positive.
+    """
+    x, y = grid.planes
+    diagonals = [(p[1:, 1:] - p[:-1, :-1], p[:-1, 1:] - p[1:, :-1]) for p in (x, y)]
+    (x_up, x_down), (y_up, y_down) = diagonals
+    area = (x_up * y_down - y_up * x_down) / 2
+    centers = (
+        grid.planes[:, 1:, 1:] + grid.planes[:, :-1, 1:] + grid.planes[:, 1:, :-1] + grid.planes[:, :-1, :-1]
+    ) / 4
+    s = Weight(formula, allow_negative=True).planes(centers, ("s",))[0]
+    if s.min() < 0:
+        return {SHARE: float((s > 0).mean())}
+    return {
+        name: float(product.std() / product.mean())
+        for name, product in ((PRODUCT, s * area), (ROOT_PRODUCT, np.sqrt(s) * area))
+    }
+
+
+def adaptive_area(say: Callable[[str], None]) -> Iterator[Example]:
+    """Yield the example of Section 4.1, with its two pictures."""
+    say("4.1  adaptive area, s = 5 + 200 |sin 2πx sin 2πy|")
+    first = _first_weight()
+    say("4.1  adaptive area, s = 5 + 200 sin 2πx sin 2πy: negative on half of the square")
+    second, refusal = _second_weight()
+    yield Example(
+        section="4.1",
+        title="Adaptive grid by the area functional",
+        setting=f"the unit square, {CELLS} x {CELLS} cells; the sweeps are stopped by hand, nothing here is converged",
+        cases=(*first.values(), *second.values()),
+        claims=(*_first_claims(first), *_second_claims(second)),
+        pictures=(_figures(first, second), _modes(first)),
+        notes=_notes(first, second, refusal),
+    )
+
+
+def _adapt(
+    label: str,
+    formula: str,
+    sweeps: int,
+    mode: Literal["frozen", "differentiated"] = "frozen",
+    *,
+    keep_valid: bool = True,
+) -> Case:
+    weight = Weight(formula, mode=mode, allow_negative=formula == SECOND)
+    start = domain("square", CELLS + 1, CELLS + 1)
+    case = sweep(label, start, "area", weight=weight, sweeps=sweeps, keep_valid=keep_valid)
+    return replace(case, extra=equidistribution(case.grid, formula))
+
+
+def _start(label: str, formula: str) -> Case:
+    grid = domain("square", CELLS + 1, CELLS + 1)
+    value = energy(grid, "area", weight=Weight(formula, allow_negative=True))
+    return Case(label, grid, start_energy=value, energy=value, extra=equidistribution(grid, formula))
+
+
+def _first_weight() -> dict[str, Case]:
+    return {
+        "start": _start("first weight, start", FIRST),
+        "frozen": _adapt("first weight, frozen", FIRST, STOP),
+        "unguarded": _adapt("first weight, frozen, cells free to fold", FIRST, STOP, keep_valid=False),
+        "differentiated": _adapt("first weight, differentiated", FIRST, STOP, "differentiated"),
+        "ragged": _adapt("first weight, frozen, continued", FIRST, TOO_MANY),
+    }
+
+
+def _second_weight() -> tuple[dict[str, Case], str]:
+    """Return the cases of the weight that is negative somewhere, and the words with which it is refused at first."""
+    refusal = ""
+    try:
+        sweep("refused", domain("square", CELLS + 1, CELLS + 1), "area", weight=Weight(SECOND), sweeps=1)
+    except GridgenError as error:
+        refusal = str(error)
+    cases = {
+        "start": _start("second weight, start", SECOND),
+        "frozen": _adapt("second weight, insisted on", SECOND, STOP_NEGATIVE),
+        "longer": _adapt("second weight, continued", SECOND, TOO_MANY),
+        "unguarded": _adapt(
+            "second weight, differentiated, cells free to fold", SECOND, STOP, "differentiated", keep_valid=False
+        ),
+    }
+    return cases, refusal
+
+
+def _first_claims(cases: dict[str, Case]) -> list[Claim]:
+    def spread(name: str, which: str) -> tuple[str, bool]:
+        before, after = (cases[key].extra[which] for key in ("start", name))
+        return f"weight {name}: {which} over the cells from {before:.3f} to {after:.3f}", after < before
+
+    free = cases["unguarded"].quality.folded_cells
+    return [
+        decide(
+            "The grid adapts: small cells where s is large (first weight).",
+            spread("frozen", PRODUCT),
+            spread("differentiated", ROOT_PRODUCT),
+        ),
+        decide(
+            "Even after adaptation the meshes are convex (first weight).",
+            (f"{cases['frozen'].quality.folded_cells} folded cells with keep_valid", cases["frozen"].quality.valid),
+            (f"{free} folded cells without", free == 0),
+        ),
+    ]
+
+
+def _second_claims(cases: dict[str, Case]) -> list[Claim]:
+    before, after = (cases[key].extra[SHARE] for key in ("start", "frozen"))
+    guarded, free = cases["frozen"], cases["unguarded"]
+    lowest = min(case.energy or 0.0 for case in cases.values())
+    return [
+        decide(
+            "The grid adapts: small cells where s is large (second weight).",
+            (f"the share of cells where s > 0 goes from {before:.2f} to {after:.2f}", after > before),
+        ),
+        decide(
+            "Even after adaptation the meshes are convex (second weight).",
+            (f"{guarded.quality.folded_cells} folded cells with keep_valid", guarded.quality.valid),
+            (f"{free.quality.folded_cells} folded cells without", free.quality.valid),
+        ),
+        decide(
+            "Implied: with the second weight, too, the area functional has a minimum to look for.",
+            (
+                f"the energy falls from {cases['start'].energy:.3g} to {guarded.energy:.3g} in {guarded.effort} and "
+                f"to {cases['longer'].energy:.3g} in {cases['longer'].effort}; where cells may fold, to "
+                f"{free.energy:.3g} in {free.effort} (erratum E8)",
+                lowest >= 0,
+            ),
+        ),
+    ]
+
+
+def _figures(first: dict[str, Case], second: dict[str, Case]) -> Picture:
+    """Return the paper's Figures 1 and 2, side by side as printed."""
+    a, b = first["frozen"], second["frozen"]
+    return Picture(
+        "4_1_adaptive_area.png",
+        (
+            (
+                "Adapted grid by the area functional\ns = 5 + 200 |sin 2πx sin 2πy|\n"
+                f"spread of s·J {first['start'].extra[PRODUCT]:.2f} → {a.extra[PRODUCT]:.2f}, {a.effort}",
+                a.grid,
+            ),
+            (
+                "Adapted grid by the area functional\ns = 5 + 200 sin 2πx sin 2πy, negative on half\n"
+                f"cells where s > 0: {second['start'].extra[SHARE]:.0%} → {b.extra[SHARE]:.0%}, {b.effort}",
+                b.grid,
+            ),
+        ),
+        columns=2,
+    )
+
+
+def _modes(first: dict[str, Case]) -> Picture:
+    """Return what the paper does not show: both modes of the weight, and what too many sweeps do."""
+    names = (("frozen", "weight frozen"), ("differentiated", "weight differentiated"), ("ragged", "weight frozen"))
+    return Picture(
+        "4_1_weight_modes.png",
+        tuple(
+            (
+                f"{title}, {first[key].effort}\nspread of s·J {first[key].extra[PRODUCT]:.2f}, "
+                f"of √s·J {first[key].extra[ROOT_PRODUCT]:.2f}",
+                first[key].grid,
+            )
+            for key, title in names
+        ),
+        columns=3,
+    )
+
+
+def _notes(first: dict[str, Case], second: dict[str, Case], refusal: str) -> tuple[str, ...]:
+    ragged = first["ragged"].extra[PRODUCT]
+    return (
+        "The area functional is degenerate, and near its zero lines the weight grows several times over from one "
+        f"node to the next. Stopped after {first['frozen'].effort}, the grid is smooth; after "
+        f"{first['ragged'].effort} it is ragged (spread of s·J {ragged:.2f}), and it is still not converged.",
+        f"By default the second weight is refused: “{refusal}”",
+        f"With Weight(..., allow_negative=True) the program says: “{second['frozen'].message}”",
+    )

@@ -1,0 +1,82 @@
+"""The linear systems of Newton's method: what solves them, and what every solver of them says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..runtime import Array, Mask
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """What a linear solver found.
+
+    Attributes:
+        vector: (2, ni, nj), zero at fixed nodes.
+        iterations: number of products with the operator; 0 for a direct solver.
+        reduction: of the residual's norm.
+        positive: whether the operator was positive along every direction that was met; else `vector` is an
+            iterate before it showed.
+    """
+
+    vector: Array
+    iterations: int
+    reduction: float
+    positive: bool
+
+
+class LinearSolver(Protocol):
+    """Solves with the Hessian over the free nodes, given as its stored half (19, ni, nj)."""
+
+    def set_operator(self, planes: Array) -> bool:
+        """Take a Hessian, which may be changed in place; return whether it can be solved with."""
+        ...
+
+    def solve(self, right: Array, tolerance: float) -> Solution:
+        """Solve for a right-hand side (2, ni, nj) that is zero at fixed nodes, to a relative residual."""
+        ...
+
+
+class DirectSolver:
+    """SciPy's sparse LU factorisation: for the NumPy backend, where nothing is compiled."""
+
+    def __init__(self, fixed: Mask) -> None:
+        """Keep the mask of fixed nodes."""
+        self._fixed = fixed
+        self._factors: Any = None
+
+    def set_operator(self, planes: Array) -> bool:
+        """Factorise; a singular matrix cannot be solved with."""
+        from scipy.sparse.linalg import splu
+
+        from .sparse import assemble_hessian
+
+        matrix = assemble_hessian(planes, self._fixed)
+        if not np.isfinite(matrix.data).all():
+            return False
+        try:
+            self._factors = splu(matrix)
+        except RuntimeError:
+            return False
+        return True
+
+    def solve(self, right: Array, tolerance: float) -> Solution:
+        """Solve; the curvature along the solution tells whether the operator is positive there."""
+        from .sparse import to_field, to_vector
+
+        vector = to_vector(right, self._fixed)
+        solution = self._factors.solve(vector)
+        positive = bool(np.isfinite(solution).all() and solution @ vector > 0)
+        return Solution(to_field(solution, self._fixed), 0, 0.0, positive)
+
+
+def linear_solver(fixed: Mask, backend: str) -> LinearSolver:
+    """Return the solver for a backend: multigrid where C can be compiled, else direct."""
+    if backend == "c":
+        from .multigrid import Multigrid
+
+        return Multigrid(fixed)
+    return DirectSolver(fixed)

@@ -1,0 +1,386 @@
+/* Conjugate gradients preconditioned by one multigrid V-cycle, for symmetric 9-point stencils of 2x2 blocks.
+ *
+ * Nothing here knows a functional: the stencil comes from a generated Hessian kernel, as the 19 planes of its stored
+ * half: the block of node (i, j) with itself (xx, xy, yy), then those with (i+1, j), (i, j+1), (i+1, j+1), (i+1, j-1)
+ * (xx, xy, yx, yy each). The operator of the conjugate gradients is in double precision, the preconditioner in single.
+ * Coarse operators are Galerkin's, with bilinear interpolation, one direction at a time. Nodes on the edge are fixed.
+ */
+#include <math.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+#if defined(__GNUC__)
+#define INLINE static inline __attribute__((always_inline))
+#else
+#define INLINE static inline
+#endif
+
+enum { PLANES = 19, COARSEST_SWEEPS = 8 };
+
+/* One level: vectors have two planes, x and y. */
+typedef struct {
+  int64_t ni, nj, threads;
+  float *operator; /* 19 planes */
+  float *inverse;  /* 3 planes: inverse of the diagonal blocks, xx, xy, yy */
+  float *right, *solution, *residual;
+  const uint8_t *fixed;
+} Level;
+
+/* Rows of the inside of a level, from `first` in steps, shared among its threads. */
+#define PRAGMA(text) _Pragma(#text)
+#define ROWS(level, first, step)                                                                              \
+  PRAGMA(omp parallel for schedule(static) num_threads((int)(level)->threads))                                \
+  for (int64_t i = (first); i < (level)->ni - 1; i += (step))
+
+/* ---- coarse operators ---- */
+
+/* Transposed entry of a block stored as xx, xy, yx, yy. */
+static const int transposed[4] = {0, 2, 1, 3};
+
+/* Galerkin coarsening along i: coarse row I sits on fine row `row[I]`; a fine row between two coarse ones is the mean
+ * of them. A_II = S_p + (N_p + N_p')/2 + (N_o + N_o')/2 + (S_o + S_o+)/4 and A_I,I+1 = (N_p + N_o)/2 + S_o/4, where S is
+ * a row's coupling with itself, N that with the next row, o the row between. */
+EXPORT void coarsen_rows(int64_t fine_ni, int64_t nj, const float *restrict fine, int64_t coarse_ni, float *restrict coarse,
+                         int64_t threads) {
+  const int64_t fp = fine_ni * nj, cp = coarse_ni * nj;
+#pragma omp parallel for schedule(static) num_threads((int)threads)
+  for (int64_t row = 0; row < coarse_ni; ++row) {
+    const int64_t p = row < coarse_ni - 1 ? 2 * row : fine_ni - 1;
+    const int64_t next = row + 1 < coarse_ni - 1 ? 2 * (row + 1) : fine_ni - 1;
+    const int above = row + 1 < coarse_ni && next - p == 2;       /* a row between this one and the next */
+    const int below = row > 0 && p - 2 * (row - 1) == 2;          /* and between the one before and this */
+    const float *a = fine + p * nj;
+    float *c = coarse + row * nj;
+    for (int e = 0; e < 3; ++e) {
+      const int xy = e == 0 ? 0 : e == 1 ? 1 : 3, yx = transposed[xy];
+      for (int64_t j = 0; j < nj; ++j) {
+        float sum = a[e * fp + j];
+        if (above) sum += 0.5f * (a[(3 + xy) * fp + j] + a[(3 + yx) * fp + j]) + 0.25f * a[e * fp + nj + j];
+        if (below) sum += 0.5f * (a[(3 + xy) * fp - nj + j] + a[(3 + yx) * fp - nj + j]) + 0.25f * a[e * fp - nj + j];
+        c[e * cp + j] = sum;
+      }
+    }
+    for (int e = 0; e < 4; ++e) {
+      const int t = transposed[e];
+      const int s = e == 0 ? 0 : e == 3 ? 2 : 1; /* the stored entry of a symmetric diagonal block */
+      for (int64_t j = 0; j < nj; ++j) {
+        const int64_t left = j > 0 ? j - 1 : 0, right = j < nj - 1 ? j + 1 : j;
+        const float inside = j < nj - 1 ? 1.0f : 0.0f, inside_left = j > 0 ? 1.0f : 0.0f;
+        float along = a[(7 + e) * fp + j];
+        if (above)
+          along += inside * 0.5f * (a[(11 + e) * fp + j] + a[(15 + t) * fp + right]) + 0.25f * a[(7 + e) * fp + nj + j];
+        if (below)
+          along += inside * 0.5f * (a[(11 + e) * fp - nj + j] + a[(15 + t) * fp - nj + right]) + 0.25f * a[(7 + e) * fp - nj + j];
+        c[(7 + e) * cp + j] = along;
+        float up = a[(3 + e) * fp + j], up_right = a[(11 + e) * fp + j], up_left = a[(15 + e) * fp + j];
+        if (above) {
+          up = 0.5f * (up + a[(3 + e) * fp + nj + j]) + 0.25f * a[s * fp + nj + j];
+          up_right = 0.5f * (up_right + a[(11 + e) * fp + nj + j]) + 0.25f * a[(7 + e) * fp + nj + j];
+          up_left = 0.5f * (up_left + a[(15 + e) * fp + nj + j]) + 0.25f * inside_left * a[(7 + t) * fp + nj + left];
+        }
+        c[(3 + e) * cp + j] = up, c[(11 + e) * cp + j] = up_right, c[(15 + e) * cp + j] = up_left;
+      }
+    }
+  }
+}
+
+/* The same along j: coarse column J sits on fine column 2 J, the last one on the last. */
+EXPORT void coarsen_columns(int64_t ni, int64_t fine_nj, const float *restrict fine, int64_t coarse_nj,
+                            float *restrict coarse, int64_t threads) {
+  const int64_t fp = ni * fine_nj, cp = ni * coarse_nj;
+#pragma omp parallel for schedule(static) num_threads((int)threads)
+  for (int64_t i = 0; i < ni; ++i)
+    for (int64_t column = 0; column < coarse_nj; ++column) {
+      const int64_t q = column < coarse_nj - 1 ? 2 * column : fine_nj - 1;
+      const int64_t next = column + 1 < coarse_nj - 1 ? 2 * (column + 1) : fine_nj - 1;
+      const int above = column + 1 < coarse_nj && next - q == 2, below = column > 0 && q - 2 * (column - 1) == 2;
+      const float *a = fine + i * fine_nj + q;
+      float *c = coarse + i * coarse_nj + column;
+      for (int e = 0; e < 3; ++e) {
+        const int xy = e == 0 ? 0 : e == 1 ? 1 : 3, yx = transposed[xy];
+        float sum = a[e * fp];
+        if (above) sum += 0.5f * (a[(7 + xy) * fp] + a[(7 + yx) * fp]) + 0.25f * a[e * fp + 1];
+        if (below) sum += 0.5f * (a[(7 + xy) * fp - 1] + a[(7 + yx) * fp - 1]) + 0.25f * a[e * fp - 1];
+        c[e * cp] = sum;
+      }
+      for (int e = 0; e < 4; ++e) {
+        const int s = e == 0 ? 0 : e == 3 ? 2 : 1;
+        const float up_row = i + 1 < ni ? 1.0f : 0.0f;
+        /* From (i, q) to (i+1, q), collected over the columns that belong to this coarse one. */
+        float up = a[(3 + e) * fp];
+        if (above) up += 0.5f * (a[(11 + e) * fp] + a[(15 + e) * fp + 1]) + 0.25f * a[(3 + e) * fp + 1];
+        if (below) up += 0.5f * (a[(11 + e) * fp - 1] + a[(15 + e) * fp]) + 0.25f * a[(3 + e) * fp - 1];
+        c[(3 + e) * cp] = up_row * up;
+        /* To the next column: (0, 1) and (1, 1); (1, -1) goes to the column before. */
+        float along = a[(7 + e) * fp], up_right = a[(11 + e) * fp], up_left = a[(15 + e) * fp];
+        if (above) {
+          along = 0.5f * (along + a[(7 + e) * fp + 1]) + 0.25f * a[s * fp + 1];
+          up_right = 0.5f * (up_right + a[(11 + e) * fp + 1]) + 0.25f * a[(3 + e) * fp + 1];
+        }
+        if (below) up_left = 0.5f * (up_left + a[(15 + e) * fp - 1]) + 0.25f * a[(3 + e) * fp - 1];
+        c[(7 + e) * cp] = along, c[(11 + e) * cp] = up_row * up_right, c[(15 + e) * cp] = up_row * up_left;
+      }
+    }
+}
+
+/* Cut a stencil's couplings with fixed nodes, whose own block becomes the identity; returns nothing. */
+EXPORT void decouple(int64_t ni, int64_t nj, double *planes, const uint8_t *fixed) {
+  const int64_t plane = ni * nj;
+  static const int di[4] = {1, 0, 1, 1}, dj[4] = {0, 1, 1, -1};
+  for (int64_t i = 0; i < ni; ++i)
+    for (int64_t j = 0; j < nj; ++j) {
+      const int64_t n = i * nj + j;
+      if (fixed[n]) planes[n] = planes[2 * plane + n] = 1.0, planes[plane + n] = 0.0;
+      for (int k = 0; k < 4; ++k) {
+        const int64_t ki = i + di[k], kj = j + dj[k];
+        const int outside = ki >= ni || kj < 0 || kj >= nj;
+        if (fixed[n] || outside || fixed[ki * nj + kj])
+          for (int e = 0; e < 4; ++e) planes[(3 + 4 * k + e) * plane + n] = 0.0;
+      }
+    }
+}
+
+/* Copy planes to single precision, times a factor. */
+EXPORT void to_single(int64_t count, const double *restrict from, float *restrict to, double factor, int64_t threads) {
+#pragma omp parallel for simd schedule(static) num_threads((int)threads)
+  for (int64_t n = 0; n < count; ++n) to[n] = (float)(factor * from[n]);
+}
+
+/* Invert the diagonal blocks; returns how many are not positive definite. Fixed nodes get zero. */
+EXPORT int64_t invert_diagonal(Level *level) {
+  const int64_t plane = level->ni * level->nj;
+  const float *a = level->operator;
+  int64_t indefinite = 0;
+  for (int64_t n = 0; n < plane; ++n) {
+    const float xx = a[n], xy = a[plane + n], yy = a[2 * plane + n], determinant = xx * yy - xy * xy;
+    const int usable = xx > 0.0f && determinant > 1e-7f * xx * yy;
+    indefinite += !usable && !level->fixed[n];
+    const float scale = usable && !level->fixed[n] ? 1.0f / determinant : 0.0f;
+    level->inverse[n] = scale * yy;
+    level->inverse[plane + n] = -scale * xy;
+    level->inverse[2 * plane + n] = scale * xx;
+  }
+  return indefinite;
+}
+
+/* ---- stencil times vector ---- */
+
+/* Sum of the couplings of node n with its 8 neighbours. */
+#define NEIGHBOURS(REAL, a, x, y, sx, sy)                                                                       \
+  REAL sx = 0, sy = 0;                                                                                          \
+  {                                                                                                             \
+    const int64_t offsets[4] = {nj, 1, nj + 1, nj - 1};                                                         \
+    for (int k = 0; k < 4; ++k) {                                                                               \
+      const REAL *restrict b = (a) + (3 + 4 * k) * plane;                                                       \
+      const int64_t to = n + offsets[k], from = n - offsets[k];                                                 \
+      sx += b[n] * (x)[to] + b[plane + n] * (y)[to] + b[from] * (x)[from] + b[2 * plane + from] * (y)[from];    \
+      sy += b[2 * plane + n] * (x)[to] + b[3 * plane + n] * (y)[to] + b[plane + from] * (x)[from] +             \
+            b[3 * plane + from] * (y)[from];                                                                    \
+    }                                                                                                           \
+  }
+
+/* result = A vector at the inner nodes, and per row the product of the two. */
+static void multiply(const Level *level, const double *restrict a, const double *restrict v, double *restrict result,
+                     double *restrict row_product) {
+  const int64_t nj = level->nj, plane = level->ni * nj;
+  const double *restrict x = v, *restrict y = v + plane;
+  ROWS(level, 1, 1) {
+    double product = 0.0;
+#pragma omp simd reduction(+ : product)
+    for (int64_t j = 1; j < nj - 1; ++j) {
+      const int64_t n = i * nj + j;
+      NEIGHBOURS(double, a, x, y, sx, sy)
+      const double rx = sx + a[n] * x[n] + a[plane + n] * y[n];
+      const double ry = sy + a[plane + n] * x[n] + a[2 * plane + n] * y[n];
+      result[n] = rx, result[plane + n] = ry;
+      product += x[n] * rx + y[n] * ry;
+    }
+    row_product[i] = product;
+  }
+}
+
+/* ---- one V-cycle ---- */
+
+/* Gauss-Seidel at every second node of a row. */
+static void smooth_row(const Level *level, int64_t i, int64_t first) {
+  const int64_t nj = level->nj, plane = level->ni * nj;
+  const float *restrict a = level->operator, *restrict inverse = level->inverse, *restrict right = level->right;
+  float *x = level->solution, *y = level->solution + plane;
+#pragma omp simd
+  for (int64_t j = first; j < nj - 1; j += 2) {
+    const int64_t n = i * nj + j;
+    NEIGHBOURS(float, a, x, y, sx, sy)
+    const float rx = right[n] - sx, ry = right[plane + n] - sy;
+    x[n] = inverse[n] * rx + inverse[plane + n] * ry;
+    y[n] = inverse[plane + n] * rx + inverse[2 * plane + n] * ry;
+  }
+}
+
+/* Four colours forwards, or backwards: the two together are a symmetric preconditioner. */
+static void smooth(const Level *level, int backwards) {
+  for (int half = 0; half < 2; ++half) {
+    const int64_t row = half != backwards ? 2 : 1;
+    ROWS(level, row, 2) {
+      smooth_row(level, i, backwards ? 2 : 1);
+      smooth_row(level, i, backwards ? 1 : 2);
+    }
+  }
+}
+
+static void compute_residual(const Level *level) {
+  const int64_t nj = level->nj, plane = level->ni * nj;
+  const float *restrict a = level->operator, *restrict right = level->right;
+  const float *restrict x = level->solution, *restrict y = level->solution + plane;
+  float *restrict residual = level->residual;
+  ROWS(level, 1, 1) {
+#pragma omp simd
+    for (int64_t j = 1; j < nj - 1; ++j) {
+      const int64_t n = i * nj + j;
+      NEIGHBOURS(float, a, x, y, sx, sy)
+      residual[n] = right[n] - sx - a[n] * x[n] - a[plane + n] * y[n];
+      residual[plane + n] = right[plane + n] - sy - a[plane + n] * x[n] - a[2 * plane + n] * y[n];
+    }
+  }
+}
+
+/* Fine index of a coarse one, and whether a fine node lies between it and the next. */
+INLINE int64_t fine_index(int64_t coarse, int64_t coarse_count, int64_t fine_count) {
+  if (coarse_count == fine_count) return coarse;
+  return coarse < coarse_count - 1 ? 2 * coarse : fine_count - 1;
+}
+
+/* The coarse right-hand side is the transposed interpolation of the residual. */
+static void restrict_residual(const Level *fine, const Level *coarse) {
+  const int64_t fp = fine->ni * fine->nj, cp = coarse->ni * coarse->nj;
+  ROWS(coarse, 1, 1) {
+    const int64_t p = fine_index(i, coarse->ni, fine->ni);
+    const float below = p - fine_index(i - 1, coarse->ni, fine->ni) == 2 ? 0.5f : 0.0f;
+    const float above = fine_index(i + 1, coarse->ni, fine->ni) - p == 2 ? 0.5f : 0.0f;
+    for (int64_t j = 1; j < coarse->nj - 1; ++j) {
+      const int64_t q = fine_index(j, coarse->nj, fine->nj), n = i * coarse->nj + j;
+      const float left = q - fine_index(j - 1, coarse->nj, fine->nj) == 2 ? 0.5f : 0.0f;
+      const float right = fine_index(j + 1, coarse->nj, fine->nj) - q == 2 ? 0.5f : 0.0f;
+      for (int c = 0; c < 2; ++c) {
+        const float *r = fine->residual + c * fp + p * fine->nj + q, *down = r - fine->nj, *up = r + fine->nj;
+        const float middle = r[0] + left * r[-1] + right * r[1];
+        const float lower = down[0] + left * down[-1] + right * down[1], upper = up[0] + left * up[-1] + right * up[1];
+        coarse->right[c * cp + n] = coarse->fixed[n] ? 0.0f : middle + below * lower + above * upper;
+        coarse->solution[c * cp + n] = 0.0f;
+      }
+    }
+  }
+}
+
+/* Add the bilinear interpolation of the coarse solution. */
+static void correct(const Level *coarse, const Level *fine) {
+  const int64_t fp = fine->ni * fine->nj, cp = coarse->ni * coarse->nj;
+  const int halve_i = coarse->ni != fine->ni, halve_j = coarse->nj != fine->nj;
+  ROWS(fine, 1, 1) {
+    const int64_t low_i = halve_i ? i / 2 : i, high_i = halve_i ? low_i + (i % 2) : i;
+    for (int c = 0; c < 2; ++c) {
+      const float *low = coarse->solution + c * cp + low_i * coarse->nj, *high = coarse->solution + c * cp + high_i * coarse->nj;
+      float *to = fine->solution + c * fp + i * fine->nj;
+      const uint8_t *fixed = fine->fixed + i * fine->nj;
+      for (int64_t j = 1; j < fine->nj - 1; ++j) {
+        const int64_t low_j = halve_j ? j / 2 : j, high_j = halve_j ? low_j + (j % 2) : j;
+        const float value = 0.25f * (low[low_j] + low[high_j] + high[low_j] + high[high_j]);
+        to[j] += fixed[j] ? 0.0f : value;
+      }
+    }
+  }
+}
+
+static void v_cycle(Level *levels, int64_t count) {
+  if (count == 1) {
+    for (int sweep = 0; sweep < COARSEST_SWEEPS; ++sweep) smooth(levels, 0), smooth(levels, 1);
+    return;
+  }
+  smooth(levels, 0);
+  compute_residual(levels);
+  restrict_residual(levels, levels + 1);
+  v_cycle(levels + 1, count - 1);
+  correct(levels + 1, levels);
+  smooth(levels, 1);
+}
+
+/* ---- conjugate gradients ---- */
+
+static double sum_rows(const Level *level, const double *row) {
+  double sum = 0.0;
+  for (int64_t i = 1; i < level->ni - 1; ++i) sum += row[i];
+  return sum;
+}
+
+/* z = V-cycle(r); returns z.r */
+static double precondition(Level *levels, int64_t count, const double *restrict r, double *restrict z, double scale,
+                           double *restrict row) {
+  Level *level = levels;
+  const int64_t nj = level->nj, plane = level->ni * nj;
+  ROWS(level, 1, 1)
+    for (int c = 0; c < 2; ++c)
+      for (int64_t n = c * plane + i * nj + 1; n < c * plane + i * nj + nj - 1; ++n)
+        level->right[n] = (float)(scale * r[n]), level->solution[n] = 0.0f;
+  v_cycle(levels, count);
+  ROWS(level, 1, 1) {
+    double product = 0.0;
+    for (int c = 0; c < 2; ++c)
+      for (int64_t n = c * plane + i * nj + 1; n < c * plane + i * nj + nj - 1; ++n)
+        z[n] = (double)level->solution[n], product += z[n] * r[n];
+    row[i] = product;
+  }
+  return sum_rows(level, row);
+}
+
+/* Solve A solution = right to a relative residual; vectors are zero at fixed nodes.
+ * work has 4 vectors of 2 planes, then ni numbers. Returns the number of iterations, negative if a direction of
+ * negative curvature was met (the solution is then the iterate before it, or the right-hand side at the first). */
+EXPORT int64_t conjugate_gradients(Level *levels, int64_t count, const double *operator, const double *right,
+                                   double *solution, double *work, double tolerance, int64_t limit, double *reduction) {
+  const Level *level = levels;
+  const int64_t nj = level->nj, plane = level->ni * nj;
+  double *r = work, *z = work + 2 * plane, *p = work + 4 * plane, *q = work + 6 * plane, *row = work + 8 * plane;
+  for (int64_t n = 0; n < 2 * plane; ++n) solution[n] = 0.0, r[n] = right[n], z[n] = p[n] = q[n] = 0.0;
+  double norm = 0.0;
+  for (int64_t n = 0; n < 2 * plane; ++n) norm += r[n] * r[n];
+  const double first = norm;
+  const double scale = norm > 0.0 ? 1.0 / sqrt(norm / (double)plane) : 1.0; /* keeps single precision in range */
+  double product = precondition(levels, count, r, z, scale, row), previous = 0.0;
+  int64_t iteration = 0;
+  while (iteration < limit && norm > tolerance * tolerance * first) {
+    const double beta = iteration == 0 ? 0.0 : product / previous;
+    ROWS(level, 1, 1)
+      for (int c = 0; c < 2; ++c)
+        for (int64_t n = c * plane + i * nj + 1; n < c * plane + i * nj + nj - 1; ++n) p[n] = z[n] + beta * p[n];
+    multiply(level, operator, p, q, row);
+    const double curvature = sum_rows(level, row);
+    ++iteration;
+    if (!(curvature > 0.0) || !(product > 0.0)) {
+      if (iteration == 1)
+        for (int64_t n = 0; n < 2 * plane; ++n) solution[n] = right[n];
+      *reduction = sqrt(norm / first);
+      return -iteration;
+    }
+    const double alpha = product / curvature;
+    ROWS(level, 1, 1) {
+      double sum = 0.0;
+      for (int c = 0; c < 2; ++c)
+#pragma omp simd reduction(+ : sum)
+        for (int64_t n = c * plane + i * nj + 1; n < c * plane + i * nj + nj - 1; ++n) {
+          solution[n] += alpha * p[n];
+          r[n] -= alpha * q[n];
+          sum += r[n] * r[n];
+        }
+      row[i] = sum;
+    }
+    norm = sum_rows(level, row);
+    if (!(norm > tolerance * tolerance * first)) break;
+    previous = product;
+    product = precondition(levels, count, r, z, scale, row);
+  }
+  *reduction = first > 0.0 ? sqrt(norm / first) : 0.0;
+  return iteration;
+}
