@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -37,12 +37,12 @@ def case_name(case: object) -> str | None:
     return "-".join(case) if isinstance(case, tuple) else None
 
 
-@lru_cache(maxsize=None)
+@cache
 def derived_kernel(name: str | Functional, variant: str) -> Kernel:
     return kernel(functional(name), variant)
 
 
-@lru_cache(maxsize=None)
+@cache
 def numpy_names(name: str | Functional, variant: str) -> dict[str, object]:
     """Return the names of the freshly rendered NumPy module."""
     return load_module("rendered.py", render(derived_kernel(name, variant), "numpy").text)

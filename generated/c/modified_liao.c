@@ -23,10 +23,13 @@
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
+/* A loop that is inlined into another loses `restrict`, and then does not vectorise: such functions are kept apart. */
 #if defined(__GNUC__)
 #define INLINE static inline __attribute__((always_inline))
+#define APART static __attribute__((noinline))
 #else
 #define INLINE static inline
+#define APART static
 #endif
 
 /* Cells of a row are worked on in groups that stay in the nearest cache. */
@@ -541,7 +544,7 @@ EXPORT void modified_liao_energy(const Block *block, const double *coordinates, 
 /* Derivatives of the energy of a group of cells in its nodes (i,j), (i+1,j), (i,j+1), (i+1,j+1), x and y. */
 typedef double CellGradient[8][CHUNK + 1];
 
-static inline void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t count, const double *restrict x,
+APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t count, const double *restrict x,
                                   const double *restrict y, const double *restrict w, const double *restrict parameters,
                                   double (*restrict f)[CHUNK + 1], double *energy, double *smallest) {
   const int64_t stride = block->stride, plane = block->plane;
@@ -692,7 +695,7 @@ typedef double CellHessian[36][CHUNK + 1];
 static const double nothing[CHUNK + 1] = {0.0};
 
 /* Put the blocks of a group of cells where they belong in the planes of the rows of nodes i and i+1. */
-static inline void gather_blocks(double *restrict planes, int64_t plane, int64_t stride, double (*restrict m)[CHUNK + 1],
+APART void gather_blocks(double *restrict planes, int64_t plane, int64_t stride, double (*restrict m)[CHUNK + 1],
                                  int64_t nodes, int lower, int add_lower, int upper) {
   for (int e = 0; e < 3 && lower; ++e) gather_nodes(planes + e * plane, m[e], m[6 + e], nodes, add_lower);
   for (int e = 0; e < 3 && upper; ++e) gather_nodes(planes + e * plane + stride, m[3 + e], m[9 + e], nodes, 0);
@@ -705,7 +708,7 @@ static inline void gather_blocks(double *restrict planes, int64_t plane, int64_t
   for (int e = 0; e < 4 && upper; ++e) gather_nodes(planes + (7 + e) * plane + stride, m[24 + e], nothing, nodes, 0);
 }
 
-static inline void cell_hessians(const Block *block, int64_t i, int64_t begin, int64_t count, const double *restrict x,
+APART void cell_hessians(const Block *block, int64_t i, int64_t begin, int64_t count, const double *restrict x,
                                  const double *restrict y, const double *restrict w, const double *restrict parameters,
                                  double (*restrict m)[CHUNK + 1]) {
   const int64_t stride = block->stride, plane = block->plane;
@@ -973,7 +976,7 @@ EXPORT void modified_liao_hessian(const Block *block, const double *coordinates,
   FOR_ROWS(hessian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, hessian))
 }
 
-static inline void cell_semidefinite_hessians(const Block *block, int64_t i, int64_t begin, int64_t count, const double *restrict x,
+APART void cell_semidefinite_hessians(const Block *block, int64_t i, int64_t begin, int64_t count, const double *restrict x,
                                  const double *restrict y, const double *restrict w, const double *restrict parameters,
                                  double (*restrict m)[CHUNK + 1]) {
   const int64_t stride = block->stride, plane = block->plane;

@@ -9,7 +9,7 @@ from ..grids import Grid, Quality, quality
 from ..solvers import Result, Weight, energy, optimize
 
 #: Sweeps of the local method within which an example must converge; where it does not, Newton gives the limit.
-MOST_SWEEPS = 2000
+MOST_SWEEPS = 1200
 
 
 @dataclass(frozen=True, slots=True)

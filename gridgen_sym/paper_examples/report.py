@@ -54,7 +54,10 @@ _INTRODUCTION = """\
 S. K. Khattri, *Grid Generation and Adaptation by Functionals*. As there, each grid starts from linear transfinite
 interpolation and is found by the local method, one node at a time. J is the Jacobian at a corner of a cell, with unit
 steps of the index; a cell is folded where J ≤ 0 at one of its corners, so that a grid without folded cells has convex
-cells only. K = (g11 + g22)/J ≥ 2 is 2 for squares. Energies are sums over all corners of all cells."""
+cells only. J/mean is the smallest J over the mean one; scaled J the smallest J/(|g1| |g2|), the sine of a corner's
+angle; K = (g11 + g22)/J ≥ 2 is 2 for squares, its mean is over the corners with J > 0; the area ratio is the largest
+of two neighbours. Energies are the discrete ones, over all corners of all cells. Of two grids a valid one is better
+than a folded one; two valid ones are compared measure by measure, leaving out what is within 1 % of each other."""
 
 
 def markdown(examples: Iterable[Example]) -> str:
@@ -115,10 +118,10 @@ def _row(case: Case, extra: Sequence[str]) -> Row:
         case.label,
         f"{quality.folded_cells} of {quality.cells}",
         f"{quality.min_jacobian:.2e}",
-        f"{case.evenness:.2f}",
+        f"{case.evenness:.3g}",
         f"{quality.min_scaled_jacobian:.2f}",
-        f"{quality.mean_condition:.2f}",
-        f"{quality.max_area_ratio:.2f}",
+        f"{quality.mean_condition:.3g}",
+        f"{quality.max_area_ratio:.3g}",
         *(f"{case.extra[name]:.3f}" if name in case.extra else "–" for name in extra),
         _number(case.start_energy),
         _number(case.energy),

@@ -78,7 +78,7 @@ def minimize(
         energy, smallest, gradient = problem.energy_gradient(coordinates)
         norm = float(np.linalg.norm(gradient))
         progress.step(iteration + 1, energy, norm, smallest)
-        state.learn(search.length, norm / before[1])
+        state.learn(search.length, norm / before[1], max(tolerance * first, round_off * abs(energy)) / (norm or 1.0))
         held_back = held_back + 1 if search.folds and before[0] - energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
             why = "the minimum lies beyond the valid grids: every step downhill would fold a cell"
@@ -137,11 +137,14 @@ class _Newton:
         solution = self.solver.solve(-search.gradient, self.forcing)
         return solution.vector if solution.positive else None
 
-    def learn(self, length: float, reduction: float) -> None:
-        """Draw the lesson of a step of some length that changed the gradient's norm by a factor."""
+    def learn(self, length: float, reduction: float, wanted: float) -> None:
+        """Draw the lesson of a step of some length that changed the gradient's norm by a factor.
+
+        There is no use in solving the last system better than by the factor that is still `wanted`.
+        """
         self.cautious = length < (0.2 if self.exact else 0.5)
         self.shift = 0.0 if length == 1.0 and self.exact else (self.shift / 10 if length > 0.5 else self.shift)
-        self.forcing = min(_LOOSEST, max(_TIGHTEST, 0.5 * reduction))
+        self.forcing = min(_LOOSEST, max(_TIGHTEST, 0.5 * reduction, 0.5 * wanted))
 
 
 @dataclass(slots=True)

@@ -29,7 +29,8 @@ EXPRESSIONS = [
     -a, a - b, b - a, -a - b, -(a + b) * b, 3 * a - 2 * (b - 3 * (a - b)), a - (b - a * (b - 1)),
     Rational(-3, 7) * a, Rational(1, 2) * a * (a - b), -Rational(1, 2) * (a + b) + a**2,
     a / b, 1 / (a * b), -1 / a, 1 / (a + b) - 1 / (a - b), a / b / (a + b) ** 2, -1 / a**2 + b,
-    a**2, (a + b) ** 3, (a - b) ** 2 * (a + b) ** 2, a**LARGEST_PRODUCT, a ** (LARGEST_PRODUCT + 1), a**-3, (a + b) ** -9,
+    a**2, (a + b) ** 3, (a - b) ** 2 * (a + b) ** 2, a**LARGEST_PRODUCT, a ** (LARGEST_PRODUCT + 1),
+    a**-3, (a + b) ** -9,
     sqrt(a), 1 / sqrt(a), sqrt(1 + sqrt(a + b)), a ** Rational(3, 2), a ** Rational(-5, 2), (a + b) ** Rational(1, 3),
     (a * b) ** Rational(-2, 3), a**b, a**-b, (a + b) ** (a * b), 2**a, -(a**b), (a - b) ** 2 / sqrt(a**2 + b**2) ** 3,
     exp(-(a**2)), exp(a - b) / log(a + 2), sympy.Abs(a - b), sympy.Abs(a - b) ** 3, sympy.sign(a - b) * b,
@@ -76,7 +77,8 @@ def printed_c(tmp_path_factory):
     for k, expression in enumerate(EXPRESSIONS):
         lines = CPrinter().program(program_of(expression))
         body = " ".join(f"const double {name} = {text};" for name, text in lines)
-        parts.append(f"double f{k}(double a, double b);\ndouble f{k}(double a, double b) {{ (void)a, (void)b; {body} return result; }}")
+        head = f"double f{k}(double a, double b)"
+        parts.append(f"{head};\n{head} {{ (void)a, (void)b; {body} return result; }}")
     source, library = folder / "printed.c", folder / "printed.so"
     source.write_text("\n".join(parts) + "\n")
     strict = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-fPIC", "-shared"]
@@ -96,12 +98,15 @@ def combined(parts):
     binary = st.sampled_from([lambda u, v: u + v, lambda u, v: u - v, lambda u, v: u * v, lambda u, v: u / (v**2 + 1)])
     unary = st.sampled_from([lambda u: -u, lambda u: u**2, lambda u: sqrt(u**2 + 1), lambda u: (u**2 + 1) ** -2])
     return st.one_of(
-        st.tuples(binary, parts, parts).map(lambda t: t[0](t[1], t[2])), st.tuples(unary, parts).map(lambda t: t[0](t[1]))
+        st.tuples(binary, parts, parts).map(lambda t: t[0](t[1], t[2])),
+        st.tuples(unary, parts).map(lambda t: t[0](t[1])),
     )
 
 
 FORMULAS = st.recursive(
-    st.sampled_from([a, b, sympy.Integer(2), sympy.Integer(-1), Rational(-1, 3), Rational(1, 2)]), combined, max_leaves=8
+    st.sampled_from([a, b, sympy.Integer(2), sympy.Integer(-1), Rational(-1, 3), Rational(1, 2)]),
+    combined,
+    max_leaves=8,
 )
 
 
@@ -170,7 +175,9 @@ def test_operations_are_counted():
 
 
 def test_common_parts_are_computed_once():
-    program = lower("formula", (a, b), (), {"first": exp(a * b) + 1, "second": exp(a * b) / (a + b), "third": 1 / (a + b) ** 2})
+    program = lower(
+        "formula", (a, b), (), {"first": exp(a * b) + 1, "second": exp(a * b) / (a + b), "third": 1 / (a + b) ** 2}
+    )
     assert program.operations["functions"] == 1
     assert program.operations["divisions"] == 1
 

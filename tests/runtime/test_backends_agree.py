@@ -112,10 +112,9 @@ def test_sweeps_move_free_nodes_of_their_colour_and_no_others(case, backend):
             assert np.array_equal((moved != xy).any(axis=0), own)
 
 
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+# A differentiated weight is that of where the nodes were: after a move the energy is that of another weight.
+@pytest.mark.parametrize("case", [case for case in CASES if case[1] != "differentiated"], ids=case_name)
 def test_a_sweep_lowers_the_energy(case):
-    if case[1] == "differentiated":
-        pytest.skip("the weight is held at where the nodes were, so the energy is that of another weight")
     kernels = kernel_set(*case, "c")
     xy, weight = random_grid(9, 9, noise=noise_of(case[1])), random_weight(len(kernels.weight_planes), 9, 9)
     before = kernels.energy(xy, weight)[0]

@@ -1,4 +1,4 @@
-"""Finding a compiler, and a cache that nothing breaks: no compiler, a bad one, many processes, a killed one, no folder."""
+"""Finding a compiler, and a cache that nothing breaks: a bad compiler, many processes, a killed one, no folder."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_com
 from gridgen_sym.runtime.compiler import compile_library
 from gridgen_sym.runtime.sources import find_sources
 
-ANSWER = "int answer(void);\n__attribute__((visibility(\"default\"))) int answer(void) { return 42; }\n"
+ANSWER = 'int answer(void);\n__attribute__((visibility("default"))) int answer(void) { return 42; }\n'
 COMPILER = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)
 needs_compiler = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 
@@ -203,7 +203,8 @@ def test_a_killed_build_blocks_nothing(monkeypatch, tmp_path, cache):
     waiting, started = tmp_path / "wait", tmp_path / "started"
     waiting.touch()
     monkeypatch.setenv(
-        "CC", script(tmp_path / "slow", f'[ -e "{waiting}" ] && touch "{started}" && sleep 60', f'exec "{COMPILER}" "$@"')
+        "CC",
+        script(tmp_path / "slow", f'[ -e "{waiting}" ] && touch "{started}" && sleep 60', f'exec "{COMPILER}" "$@"'),
     )
     building = subprocess.Popen(
         [sys.executable, "-c", _BUILD], start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL

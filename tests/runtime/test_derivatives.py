@@ -93,7 +93,9 @@ def test_some_full_hessian_has_a_negative_eigenvalue():
     """Else the test above would show nothing."""
     xy = random_grid(6, 6, noise=0.15)
     indefinite = [
-        name for name in BUILTIN if np.linalg.eigvalsh(dense_hessian(kernel_set(name, "plain", BACKEND).hessian(xy)))[0] < -1e-3
+        name
+        for name in BUILTIN
+        if np.linalg.eigvalsh(dense_hessian(kernel_set(name, "plain", BACKEND).hessian(xy)))[0] < -1e-3
     ]
     assert {"area", "orthogonality", "winslow"} <= set(indefinite)
 

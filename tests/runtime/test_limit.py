@@ -1,8 +1,8 @@
 """The tie between the two derivations: the discrete gradient tends to the Euler-Lagrange residual, at second order.
 
-The corner energies, summed over a grid on a smooth map, are a quadrature of 4 `corner_factor` times the integral; so the
-gradient at an inner node over that factor tends to the functional derivative, which is minus the residual. The two were
-derived apart from each other (from corners; from the jets of a map), so that an error in either shows here. The
+The corner energies, summed over a grid on a smooth map, are a quadrature of 4 `corner_factor` times the integral; so
+the gradient at an inner node over that factor tends to the functional derivative, which is minus the residual. The two
+were derived apart from each other (from corners; from the jets of a map), so that an error in either shows here. The
 residual kernel, which takes central differences, must tend to the residual of the exact derivatives as well.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ WEIGHT = 2 + sympy.sin(sympy.Rational(9, 10) * x + sympy.Rational(3, 5) * y)
 
 @lru_cache(maxsize=1)
 def exact_functions():
-    """Return the map, its derivatives and those of the weight as functions of (u, v), with the powers of the spacings."""
+    """Return the map, the weight and their derivatives as functions of (u, v), with the powers of the spacings."""
     result = {}
     for name, expression in MAP.items():
         result[name] = (expression, (0, 0))
@@ -59,13 +59,15 @@ def sample(cells, spacing=(1.0, 1.0)):
     }
 
 
-@lru_cache(maxsize=None)
+@cache
 def exact_equations(definition, variant):
     """Return the residual and the matrix in front of the reduced system, as functions of the sampled values."""
     equations = euler_lagrange(definition, variant)
     matrix = equations.reduction.matrix if equations.reduction else sympy.eye(2)
     parts = [*equations.expanded(), *matrix]
-    parts = [part.subs({sympy.Symbol(p, real=True): value for p, value in definition.parameters.items()}) for part in parts]
+    parts = [
+        part.subs({sympy.Symbol(p, real=True): value for p, value in definition.parameters.items()}) for part in parts
+    ]
     # The second derivative of abs() is zero but at one point, which the map does not meet.
     parts = [part.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero) for part in parts]
     symbols = sorted(set().union(*(part.free_symbols for part in parts)), key=str)
@@ -90,7 +92,7 @@ def planes(kernels, sampled):
 
 
 def gradient_error(definition, kernels, cells):
-    """Compare gradient / (4 corner_factor) with minus the residual, both in the coordinates in which cells are unit squares."""
+    """Compare gradient / (4 corner_factor) with minus the residual, in coordinates in which cells are unit squares."""
     sampled = sample(cells, (1 / cells, RATIO / cells))
     xy = np.array([sampled["x"], sampled["y"]])
     gradient = kernels.energy_gradient(xy, planes(kernels, sampled))[2]

@@ -1,0 +1,371 @@
+"""The command line: what every command prints and does, and its exit codes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import gridgen_sym as gg
+from gridgen_sym.cli import main
+from gridgen_sym.runtime import find_compiler
+
+pytestmark = pytest.mark.usefixtures("clean_registry")
+
+ROOT = Path(__file__).parent.parent
+BACKENDS = ("c", "numpy") if find_compiler() else ("numpy",)
+MINE = '''import gridgen_sym as gg
+
+def smooth(m, k=0.1):
+    """Winslow's smoothness with a little orthogonality."""
+    return (m.g11 + m.g22) / m.J + k * m.g12**2 / m.J**2
+
+gg.define("smooth", smooth)
+'''
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder(tmp_path, monkeypatch):
+    """Work in a folder of the test's own; `--quiet` sets a variable, which must not stay."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GRIDGEN_SYM_QUIET", "1")
+
+
+@pytest.fixture
+def mine(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(MINE)
+    return str(path)
+
+
+def run(*arguments, code=0):
+    """Run a command and return what it printed, once its exit code is as expected."""
+    result = CliRunner().invoke(main, [str(argument) for argument in arguments])
+    assert result.exit_code == code, (result.output, result.exception)
+    assert "Traceback" not in result.output
+    return result.output
+
+
+# ---- grid ----
+
+
+def test_the_swan_of_the_specification_is_valid():
+    said = run("grid", "swan", "-f", "winslow", "--size", 40, 40, "-o", "swan.vts")
+    assert "start: swan, 40 x 40 cells, 57 of them folded" in said
+    assert "valid: no folded cell among 1600" in said
+    assert gg.quality(gg.read("swan.vts")).folded_cells == 0
+
+
+def test_texas_writes_both_files_and_exits_by_its_folded_cells():
+    pytest.importorskip("matplotlib")
+    arguments = ["grid", ROOT / "examples/outlines/texas.csv", "-f", "length", "--size", 64, 64]
+    result = CliRunner().invoke(main, [*map(str, arguments), "-o", "texas.vts", "--plot", "texas.png"])
+    folded = gg.quality(gg.read("texas.vts")).folded_cells
+    assert Path("texas.png").read_bytes().startswith(b"\x89PNG")
+    assert result.exit_code == (1 if folded else 0)
+    assert (f"not valid: {folded} of 4096" in result.output) == bool(folded)
+
+
+def test_a_folded_result_exits_with_1_and_says_where_after_writing():
+    said = run("grid", "swan", "-f", "length", "--size", 40, 40, "--solver", "euler-lagrange", "-o", "s.npz", code=1)
+    folded = gg.quality(gg.read("s.npz"))
+    assert folded.describe_folds() in said
+    quiet = run("grid", "s.npz", "-f", "length", "--solver", "euler-lagrange", "--quiet", code=1)
+    assert quiet.startswith("not valid: ")
+
+
+def test_size_is_cells_and_40_by_default():
+    run("grid", "wavy", "-f", "length", "-o", "a.csv")
+    run("grid", "wavy", "-f", "length", "--size", 7, 5, "-o", "b.xyz")
+    assert gg.read("a.csv").shape == (41, 41)
+    assert gg.read("b.xyz").shape == (8, 6)
+
+
+def test_without_files_it_only_reports(tmp_path):
+    assert "Jacobian" in run("grid", "chevron", "-f", "winslow", "--size", 8, 8)
+    assert not list(tmp_path.iterdir())
+    assert run("grid", "chevron", "-f", "winslow", "--size", 8, 8, "--quiet") == ""
+
+
+@pytest.mark.parametrize("solver", ["newton", "local", "euler-lagrange", "relaxation"])
+def test_all_solvers_and_options_reach_the_library(solver):
+    options = ["--tolerance", "1e-4", "--max-iterations", 400, "--no-keep-valid", "--backend", "numpy"]
+    run("grid", "horseshoe_map:R=3", "-f", "winslow", "--solver", solver, "--size", 8, 8, "-o", "a.npz", *options)
+    start = gg.domain("horseshoe_map", 9, 9, R=3)
+    assert np.array_equal(gg.read("a.npz").planes[:, 0], start.planes[:, 0])
+    assert gg.read("a.npz") != start
+
+
+def test_a_result_that_did_not_converge_is_told_and_is_no_failure():
+    said = run("grid", "wavy", "-f", "winslow", "--size", 12, 12, "--max-iterations", 1, "--solver", "local")
+    assert "not converged in 1 iterations" in said
+    assert "valid: no folded cell" in said
+
+
+def test_weights_and_parameters():
+    weight = ["--weight", "1 + x**2", "--weight-mode", "differentiated"]
+    run("grid", "square", "-f", "area", "--size", 6, 6, *weight, "--interior-only")
+    negative = ["grid", "square", "-f", "area", "--size", 6, 6, "--weight", "x - 0.5"]
+    assert "must not be negative" in run(*negative, code=2)
+    assert "negative at" in run(*negative, "--allow-negative-weight", "--max-iterations", 2)
+    shares = [part for name in ("k_A=0.2", "k_L=0.6", "k_O=0.2") for part in ("--parameter", name)]
+    run("grid", "square", "-f", "combined", "--size", 6, 6, *shares)
+
+
+def test_a_grid_file_is_the_start():
+    gg.domain("swan", 9, 9).write("start.vts")
+    assert "start: start.vts, 8 x 8 cells" in run("grid", "start.vts", "-f", "winslow", "-o", "end.vts")
+    assert "drop --size" in run("grid", "start.vts", "-f", "winslow", "--size", 8, 8, code=2)
+
+
+def test_a_clockwise_outline_needs_leave():
+    outline = gg.Outline([(0, 0), (2, 0), (2, 1), (0, 1)], (0, 1, 2, 3))
+    outline.write("a.csv")
+    lines = Path("a.csv").read_text().splitlines()
+    Path("a.csv").write_text("\n".join([*lines[:4], *lines[:3:-1]]) + "\n")
+    assert "runs clockwise" in run("grid", "a.csv", "-f", "winslow", "--size", 4, 4, code=2)
+    run("grid", "a.csv", "-f", "winslow", "--size", 4, 4, "--reorient")
+
+
+BAD = {
+    "an unknown domain": (["swann", "-f", "winslow"], "did you mean 'swan'"),
+    "an unknown functional": (["swan", "-f", "winslo"], "Did you mean 'winslow'"),
+    "a missing file": (["nowhere.csv", "-f", "winslow"], "there is no such file"),
+    "a missing grid": (["nowhere.vts", "-f", "winslow"], "there is no such file"),
+    "an unknown suffix": (["swan", "-f", "winslow", "-o", "a.stl"], "its suffix must be one of"),
+    "no suffix": (["swan", "-f", "winslow", "-o", "a"], "its suffix must be one of"),
+    "a missing folder": (["swan", "-f", "winslow", "-o", "no/a.vts"], "does not exist"),
+    "too few cells": (["swan", "-f", "winslow", "--size", "1", "9"], "at least 2 2; came 1 9"),
+    "a parameter of the domain": (["swan:R=4", "-f", "winslow"], "has no parameter 'R'"),
+    "no number": (["horseshoe_map:R=big", "-f", "winslow"], "written NAME=NUMBER"),
+    "a parameter of the functional": (["swan", "-f", "winslow", "--parameter", "k=1"], "has no parameter 'k'"),
+    "no equals sign": (["swan", "-f", "knupp", "--parameter", "k"], "written NAME=NUMBER"),
+    "a broken constraint": (["swan", "-f", "combined", "--parameter", "k_A=3"], "needs k_A + k_L + k_O == 1"),
+    "a mode without a weight": (["swan", "-f", "area", "--weight-mode", "frozen"], "need a --weight"),
+    "a bad formula": (["swan", "-f", "area", "--weight", "x^2"], "^"),
+    "a bad tolerance": (["swan", "-f", "area", "--tolerance", "2"], "between 0 and 1"),
+    "sums without corners": (["swan", "-f", "area", "--solver", "relaxation", "--interior-only"], "--interior-only"),
+    "no functional": (["swan"], "Missing option"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_exits_with_2_and_says_what_to_do(case):
+    arguments, message = BAD[case]
+    assert message in run("grid", *arguments, code=2)
+
+
+def test_a_picture_needs_matplotlib(monkeypatch):
+    import importlib.util
+
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    assert "gridgen-sym[plot]" in run("grid", "swan", "-f", "winslow", "--plot", "a.png", code=2)
+
+
+def test_an_interrupt_exits_with_130(monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("gridgen_sym.solvers.optimize", interrupted)
+    assert "interrupted" in run("grid", "swan", "-f", "winslow", code=130)
+
+
+def test_an_interrupted_solver_writes_its_best_grid_and_exits_with_130(monkeypatch):
+    from gridgen_sym.solvers.progress import Progress
+
+    def interrupted(self, *_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Progress, "step", interrupted)
+    said = run("grid", "chevron", "-f", "winslow", "--size", 8, 8, "-o", "best.vts", code=130)
+    assert "it was interrupted" in said
+    assert gg.read("best.vts") == gg.domain("chevron", 9, 9)
+
+
+def test_an_error_of_the_system_exits_with_2(monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("gridgen_sym.solvers.optimize", full)
+    assert "No space left on device" in run("grid", "swan", "-f", "winslow", code=2)
+
+
+# ---- quality, domains ----
+
+
+def test_quality_exits_with_1_where_a_cell_is_folded():
+    gg.domain("swan", 41, 41).write("folded.vts")
+    gg.domain("square", 5, 5).write("square.vts")
+    assert "57 of 1600 cells are folded" in run("quality", "folded.vts", code=1)
+    assert "valid: no folded cell among 16" in run("quality", "square.vts")
+    assert "there is no such file" in run("quality", "no.vts", code=2)
+
+
+def test_domains_lists_every_domain():
+    said = run("domains")
+    assert [line.split()[0] for line in said.splitlines()] == gg.domain_names()
+
+
+# ---- formulas ----
+
+
+def test_functionals_lists_every_functional_with_its_classification(mine):
+    said = run("functionals", "--functionals", mine)
+    lines = {line.split()[0]: line for line in said.splitlines() if line.strip()}
+    assert set(gg.functionals()) <= set(lines)
+    assert "linear, uncoupled, elliptic" in lines["length"]
+    assert "k=0.1" in lines["smooth"]
+
+
+def test_derive_prints_text_and_latex():
+    assert "length" in run("derive", "length")
+    assert r"\section*" in run("derive", "length", "--latex")
+    assert "Did you mean 'length'" in run("derive", "lenght", code=2)
+
+
+def test_verify_finds_the_errata_and_no_discovery():
+    said = run("verify")
+    for erratum in range(1, 10):
+        assert f"[E{erratum}]" in said
+    assert "0 differ without a known erratum" in said
+    assert "x_etaeta*y_xi*(x_xi - y_xi)" in said
+
+
+def test_verify_exits_with_1_for_a_discovery(monkeypatch):
+    from dataclasses import replace
+
+    import gridgen_sym.symbolic
+    from gridgen_sym.functionals.paper import PRINTED
+
+    wrong = next(equation for equation in PRINTED if equation.key == "liao-sum")
+    wrong = replace(wrong, expressions=("g11**2 + g22**2 + 3*g12**2",))
+    verify = gridgen_sym.symbolic.verify
+    monkeypatch.setattr(gridgen_sym.symbolic, "verify", lambda: verify([wrong]))
+    assert "not a known erratum" in run("verify", code=1)
+
+
+def test_generate_checks_and_writes(monkeypatch):
+    import gridgen_sym.codegen.generate as module
+
+    monkeypatch.setattr(module, "check_generated", lambda: "")
+    assert "is what is derived now" in run("generate", "--check")
+    monkeypatch.setattr(module, "check_generated", lambda: "--- a\n+++ b\n")
+    assert "--- a\n+++ b\n" in run("generate", "--check", code=1)
+    monkeypatch.setattr(module, "write_generated", lambda: [Path.cwd() / "generated" / "a.c"])
+    assert run("generate").splitlines() == [os.path.join("generated", "a.c"), "1 files changed"]
+
+
+# ---- a user's functional ----
+
+
+def test_a_users_functional_of_ten_lines_goes_the_whole_way(mine, monkeypatch):
+    assert len(MINE.splitlines()) <= 10
+    assert "smooth" in run("derive", "smooth", "--functionals", mine)
+    monkeypatch.undo()
+    environment = {**os.environ, "GRIDGEN_SYM_QUIET": "1"}
+    said = program("--functionals", mine, "check", "smooth", env=environment)
+    assert (said.returncode, said.stdout.count("ok  "), said.stdout.count("\n")) == (0, 6, 6)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("solver", ["newton", "local", "euler-lagrange"])
+def test_a_users_functional_makes_grids_with_every_solver(mine, solver, backend):
+    swan = ["grid", "swan", "-f", "smooth", "--functionals", mine, "--size", 12, 12, "-o", "a.npz"]
+    assert "converged in" in run(*swan, "--solver", solver, "--backend", backend)
+    assert gg.quality(gg.read("a.npz")).valid
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_the_environment_chooses_the_backend(mine, backend, monkeypatch):
+    monkeypatch.setenv("GRIDGEN_SYM_BACKEND", backend)
+    assert f"{backend} (GRIDGEN_SYM_BACKEND)" in run("info")
+    run("--functionals", mine, "grid", "chevron", "-f", "smooth", "--size", 6, 6)
+
+
+FILES = {
+    "a bad line": ("import gridgen_sym as gg\n\nnowhere + 1\n", "bad.py, line 3: NameError"),
+    "a syntax error": ("x = (\n", "bad.py, line 1: '(' was never closed"),
+    "a bad density": ('import gridgen_sym as gg\ngg.define("a", "g11 + zz")\n', "bad.py, line 2: "),
+    "nothing": ("x = 1\n", "adds no functional"),
+    "an exit": ("raise SystemExit(3)\n", "bad.py, line 1: SystemExit"),
+}
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_a_bad_file_of_functionals_is_named(case):
+    text, message = FILES[case]
+    Path("bad.py").write_text(text)
+    assert message in run("--functionals", "bad.py", "domains", code=2)
+
+
+def test_a_missing_file_of_functionals_is_named():
+    assert "no.py: there is no such file" in run("grid", "--functionals", "no.py", "swan", "-f", "a", code=2)
+
+
+def test_checks_can_fail(monkeypatch):
+    """Give `check` the kernels of another functional: what depends on them fails, and the command exits with 1."""
+    import gridgen_sym.selfcheck as module
+
+    right = module.kernels
+    monkeypatch.setattr(module, "kernels", lambda _, **options: right(gg.functional("area"), **options))
+    said = run("check", "length", code=1)
+    assert said.count("FAILED") == 1
+    assert "FAILED  discrete gradient" in said
+    monkeypatch.setattr(module, "_density", lambda _, found=module._density: found(gg.functional("area")))
+    assert run("check", "length", code=1).count("FAILED") == 4
+
+
+# ---- the program ----
+
+
+def test_paper_hands_over_the_folder(monkeypatch):
+    module = pytest.importorskip("gridgen_sym.paper_examples")
+    called = []
+    monkeypatch.setattr(module, "run", lambda folder, progress: called.append(folder))
+    run("paper", "-o", "here")
+    assert called == [Path("here")]
+
+
+def test_info_tells_the_backend_and_the_cache(tmp_path):
+    said = run("info")
+    assert gg.__version__ in said
+    for label in ("backend", "compiler", "OpenMP", "threads", "cache", "generated", "python", "sympy"):
+        assert f"\n{label} " in said
+
+
+def program(*arguments, env=None):
+    command = [sys.executable, "-m", "gridgen_sym", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=env)
+
+
+def test_the_module_runs_as_a_program():
+    told = program("--version")
+    assert (told.returncode, told.stdout) == (0, f"gridgen-sym, version {gg.__version__}\n")
+    bad = program("grid", "nowhere.vts", "-f", "winslow")
+    assert bad.returncode == 2
+    assert bad.stdout == ""
+    assert bad.stderr.startswith("Error: cannot read nowhere.vts")
+
+
+def test_help_and_import_do_not_load_what_they_do_not_need():
+    code = (
+        "import sys, gridgen_sym, gridgen_sym.cli as cli\n"
+        "cli.main(['--help'], standalone_mode=False)\n"
+        "print(*sorted({'sympy', 'jinja2', 'matplotlib', 'rich', 'scipy', 'mpmath'} & set(sys.modules)), sep=',')\n"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.splitlines()[-1] == ""
+
+
+def test_a_grid_with_a_committed_functional_does_not_load_sympy():
+    code = (
+        "import sys, gridgen_sym.cli as cli\n"
+        "cli.main(['grid', 'chevron', '-f', 'winslow', '--size', '6', '6'], standalone_mode=False)\n"
+        "assert 'sympy' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
