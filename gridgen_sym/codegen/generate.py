@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..atomic import write_bytes
 from ..functionals import functional, functionals, is_builtin
 from ..functionals.definition import Functional
 from ..resources import resource_folder
@@ -52,9 +53,9 @@ def write_generated(folder: Path | None = None) -> list[Path]:
     wanted = {folder / source.path: source.text for source in all_sources()}
     changed = []
     for path, text in wanted.items():
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
+        if not path.exists() or path.read_bytes() != text.encode():
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
+            write_bytes(path, text.encode())
             changed.append(path)
     for path in _stale(folder, set(wanted)):
         path.unlink()
@@ -68,8 +69,10 @@ def check_generated(folder: Path | None = None) -> str:
     wanted = {folder / source.path: source.text for source in all_sources()}
     parts: list[str] = []
     for path in sorted({*wanted, *_stale(folder, set(wanted))}):
-        old = path.read_text(encoding="utf-8") if path.exists() else ""
+        old = path.read_bytes().decode(errors="replace") if path.exists() else ""
         name = path.relative_to(folder).as_posix()
+        if path.exists() and path not in wanted:
+            parts.append(f"generated/{name} is stale: nothing generates it any more\n")
         parts += difflib.unified_diff(
             old.splitlines(keepends=True),
             wanted.get(path, "").splitlines(keepends=True),

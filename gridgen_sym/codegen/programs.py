@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from ..functionals.definition import Functional
-from ..symbolic.classify import classify
+from ..symbolic.classify import equation_type
 from ..symbolic.continuous import EulerLagrange, euler_lagrange, residual_slopes
 from ..symbolic.coordinates import (
     FIRST_DERIVATIVES,
@@ -51,7 +51,7 @@ def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
         density=str(functional.expression()),
         digest=digest(functional),
         barrier=has_barrier(functional),
-        equation_type=classify(functional).ellipticity.type,
+        equation_type=equation_type(functional),
         polyconvex=model.splitting.holds,
         programs={program.name: program for program in programs},
     )

@@ -49,6 +49,8 @@ class Compiler:
 def find_compiler() -> Compiler | None:
     """Return the C compiler named by CC, or cc, gcc or clang; None where there is none."""
     named = os.environ.get("CC", "").split()
+    if named and not shutil.which(named[0]):
+        say_once(f"CC names {named[0]!r}, which is not found: cc, gcc and clang are tried instead")
     for candidate in (*named[:1], "cc", "gcc", "clang"):
         path = shutil.which(candidate)
         if path and (version := _version(path)):
@@ -73,7 +75,11 @@ def _supports_openmp(path: str, version: str) -> bool:
         source = Path(folder) / "trial.c"
         source.write_text(_OPENMP_TRIAL)
         command = [path, "-fopenmp", "-fPIC", "-shared", "-o", str(Path(folder) / "trial.so"), str(source)]
-        works = subprocess.run(command, capture_output=True, timeout=_COMPILE_SECONDS, check=False).returncode == 0
+        try:
+            told = subprocess.run(command, capture_output=True, timeout=_COMPILE_SECONDS, check=False)
+        except subprocess.TimeoutExpired:
+            return False
+        works = told.returncode == 0
     _store(answer, b"yes" if works else b"no")
     return works
 

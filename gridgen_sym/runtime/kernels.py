@@ -28,6 +28,7 @@ Mask = npt.NDArray[np.uint8]
 HESSIAN_PLANES, JACOBIAN_PLANES = 19, 36
 #: Grids with fewer nodes are worked on by one thread: starting more would take longer.
 _NODES_PER_THREAD = 8192
+_TYPES = (np.dtype(np.float64), np.dtype(np.uint8))
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,8 +169,14 @@ class KernelSet:
         if self.weight_planes and weight.shape != shape:
             raise GridgenError(f"the weight of {self.functional} must have the shape {shape}; came {weight.shape}")
         for array in (coordinates, weight, *arguments):
-            if isinstance(array, np.ndarray) and not array.flags.c_contiguous:
-                raise GridgenError(f"kernel {name} needs C-contiguous arrays")
+            # Compiled code reads memory as it is told: another type or order would be nonsense without a word.
+            if isinstance(array, np.ndarray) and not (array.flags.c_contiguous and array.dtype in _TYPES):
+                raise GridgenError(
+                    f"kernel {name} needs C-contiguous arrays of float64 (masks: uint8); came {array.dtype}, shape "
+                    f"{array.shape}, strides {array.strides}: use np.ascontiguousarray(array, dtype=...)"
+                )
+        if name not in self._functions:
+            raise GridgenError(f"the variant {self.variant!r} of {self.functional!r} has no kernel {name}: use 'plain'")
         threads = max(1, min(thread_count(), ni * nj // _NODES_PER_THREAD))
         block = Block(ni, nj, 0, ni, nj, ni * nj, int(interior_only), threads, *spacing)
         self._functions[name](block, coordinates, weight, self._parameters, *arguments)
@@ -193,6 +200,10 @@ def kernels(
         GridgenError: for unknown parameters or backends, or if the compiler rejects the kernels.
     """
     given = dict(parameters or {})
+    if variant == "regularized" and "epsilon" not in given:
+        raise GridgenError(
+            f"the regularised barrier of {functional.name!r} needs the parameter epsilon, a small Jacobian"
+        )
     extra = [given.pop("epsilon")] if variant == "regularized" else []
     values = np.array([*functional.values(given).values(), *extra], dtype=float)
     chosen = choose_backend(backend)

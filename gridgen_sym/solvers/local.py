@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..runtime import Array
-from .problem import Problem, jacobian_floor
+from .problem import Problem, diverges, jacobian_floor, norm_of
 from .progress import Progress
 
 COLOURS = 4
@@ -30,8 +30,10 @@ def sweep_until_converged(
         Whether it converged, and why it stopped.
     """
     energy, smallest, gradient = problem.energy_gradient(coordinates)
-    norm = first = float(np.linalg.norm(gradient))
+    norm = norm_of(gradient)
+    first = min(norm, problem.gradient_scale(coordinates, energy) or norm)
     progress.step(0, energy, norm, smallest)
+    extent = float(np.ptp(coordinates))
     guard = keep_valid or problem.kernels.barrier
     floor = jacobian_floor(smallest) if guard else -1.0
     for iteration in range(max_iterations + 1):
@@ -49,9 +51,15 @@ def sweep_until_converged(
                 floor=floor,
                 interior_only=problem.interior_only,
             )
+        if diverges(coordinates, extent):
+            coordinates[...] = before
+            return (
+                False,
+                "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid.",
+            )
         problem.refresh(coordinates)
         energy, smallest, gradient = problem.energy_gradient(coordinates)
-        norm = float(np.linalg.norm(gradient))
+        norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
         if np.array_equal(before, coordinates):
             return False, (

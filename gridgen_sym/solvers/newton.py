@@ -8,7 +8,7 @@ import numpy as np
 
 from ..runtime import Array
 from .linear import LinearSolver, linear_solver
-from .problem import Problem, jacobian_floor
+from .problem import Problem, diverges, jacobian_floor, norm_of
 from .progress import Progress
 
 #: Armijo's constant, and how often a step is halved.
@@ -47,7 +47,8 @@ def minimize(
         max_iterations: Newton steps.
         keep_valid: no step takes the smallest Jacobian of a valid grid to zero; barrier functionals never do.
         semidefinite: use the semidefinite Hessian only.
-        reference: the norm that the gradient must fall from; by default that at the start.
+        reference: the norm that the gradient must fall from; by default that at the start. Where that is larger
+            than `Problem.gradient_scale`, the latter counts.
         solver: what solves the linear systems; by default the backend's.
 
     Returns:
@@ -55,12 +56,12 @@ def minimize(
     """
     guard = keep_valid or problem.kernels.barrier
     energy, smallest, gradient = problem.energy_gradient(coordinates)
-    norm = float(np.linalg.norm(gradient))
-    first = reference or norm
+    norm = norm_of(gradient)
+    first = min(reference or norm, problem.gradient_scale(coordinates, energy) or norm)
     progress.step(0, energy, norm, smallest)
     floor, round_off = jacobian_floor(smallest), problem.round_off(coordinates, 1.0)
     state = _Newton(problem, solver or linear_solver(problem.fixed, problem.kernels.backend), semidefinite)
-    held_back = 0
+    held_back, extent = 0, float(np.ptp(coordinates))
     for iteration in range(max_iterations + 1):
         if norm <= max(tolerance * first, round_off * abs(energy)):
             return True, f"the gradient's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
@@ -72,11 +73,13 @@ def minimize(
         step = state.downhill(search)
         if step is None:
             return False, _stuck("no step downhill was found", norm, first)
+        if diverges(coordinates + step, extent):
+            return False, _stuck("the steps diverge, which happens where the energy has no lower bound", norm, first)
         coordinates += step
         before = energy, norm
         problem.refresh(coordinates)
         energy, smallest, gradient = problem.energy_gradient(coordinates)
-        norm = float(np.linalg.norm(gradient))
+        norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
         state.learn(search.length, norm / before[1], max(tolerance * first, round_off * abs(energy)) / (norm or 1.0))
         held_back = held_back + 1 if search.folds and before[0] - energy < _LITTLE * abs(energy) else 0

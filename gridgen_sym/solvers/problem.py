@@ -69,15 +69,20 @@ class Problem:
             out=out,
         )
 
+    def gradient_scale(self, coordinates: Array, energy: float) -> float:
+        """Return the norm that the gradient of this energy has on a grid far from its minimum: E/(h sqrt(nodes)).
+
+        On a grid that is only just valid the gradient is larger by any factor, and no measure of anything.
+        """
+        return float(abs(energy) / (_spacing(coordinates) * np.sqrt(coordinates[0].size) + np.finfo(float).tiny))
+
     def round_off(self, coordinates: Array, energy: float) -> float:
         """Return the norm below which the gradient of this energy cannot be told from zero.
 
-        Differences of coordinates of size L over a spacing h lose a factor L/h; the gradient is of the size E/h.
+        Differences of coordinates of size L over a spacing h lose a factor L/h.
         """
-        spacing = float(np.hypot(*np.diff(coordinates, axis=1)).mean() + np.hypot(*np.diff(coordinates, axis=2)).mean())
-        size, nodes = float(np.abs(coordinates).max()), coordinates[0].size
-        tiny = np.finfo(float).tiny
-        return float(10 * np.finfo(float).eps * abs(energy) * size / (spacing**2 * np.sqrt(nodes) + tiny))
+        lost = float(np.abs(coordinates).max()) / (_spacing(coordinates) + np.finfo(float).tiny)
+        return 10 * float(np.finfo(float).eps) * lost * self.gradient_scale(coordinates, energy)
 
     def caution(self, coordinates: Array) -> str:
         """Return what the user must know of the weight, as a sentence with a leading blank, or nothing."""
@@ -88,8 +93,24 @@ class Problem:
             return ""
         return (
             f" The weight is negative at {negative} of {coordinates[0].size} nodes: the energy has no lower bound, "
-            "and this grid is at best a stationary point of it."
+            "and no grid minimises it."
         )
+
+
+def _spacing(coordinates: Array) -> float:
+    """Return the mean length of an edge along xi plus that of one along eta."""
+    return sum(float(np.hypot(*np.diff(coordinates, axis=axis)).mean()) for axis in (1, 2))
+
+
+def norm_of(gradient: Array) -> float:
+    """Return the Euclidean norm; infinite, and not a warning, where it overflows."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.linalg.norm(gradient))
+
+
+def diverges(coordinates: Array, extent: float) -> bool:
+    """Return whether nodes have left the domain, whose size is `extent`, for good."""
+    return not float(np.ptp(coordinates)) < 1e3 * extent
 
 
 def jacobian_floor(smallest: float) -> float:

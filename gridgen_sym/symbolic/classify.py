@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import sympy
-from sympy import Expr
+from sympy import Expr, Symbol
 
 from ..functionals.definition import Functional
 from ..functionals.metric import symbol
@@ -18,7 +18,7 @@ from .continuous import euler_lagrange
 from .coordinates import FIRST_DERIVATIVES, Variant, epsilon, expand_metric, s, y_xi
 from .definiteness import Definiteness
 from .discrete import corner_model, has_barrier, variant_density
-from .ellipticity import Ellipticity, determinant, ellipticity, principal_symbol
+from .ellipticity import Ellipticity, Type, determinant, ellipticity, principal_symbol, sampled_type
 from .invariance import (
     is_exchange_symmetric,
     is_logical_rotation_invariant,
@@ -77,10 +77,19 @@ class Classification:
         )
 
 
+def equation_type(functional: Functional) -> Type:
+    """Return the type of the Euler–Lagrange equations as random points show it, at the default parameters."""
+    return sampled_type(principal_symbol(variant_density(functional, "plain").subs(_defaults(functional))))
+
+
+def _defaults(functional: Functional) -> dict[Symbol, Expr]:
+    return {symbol(name): sympy.nsimplify(value, rational=True) for name, value in functional.parameters.items()}
+
+
 @lru_cache(maxsize=64)
 def classify(functional: Functional, variant: Variant = "plain") -> Classification:
     """Classify a functional, with its parameters at their defaults; once per process."""
-    defaults = {symbol(name): sympy.nsimplify(value, rational=True) for name, value in functional.parameters.items()}
+    defaults = _defaults(functional)
     density = variant_density(functional, variant).subs(defaults)
     matrix = principal_symbol(density)
     rest = _rest(functional, variant, defaults)

@@ -114,6 +114,8 @@ def _signed_factors(expression: Expr) -> tuple[Expr, list[tuple[Expr, int]]]:
 
 def _sum_of_squares(factor: Expr, nonnegative: tuple[Symbol, ...]) -> bool:
     symbols = sorted(factor.free_symbols, key=str)
+    if not factor.is_polynomial(*symbols):
+        return False
     polynomial = sympy.Poly(factor, *symbols)
     return all(
         coefficient.is_positive
@@ -125,6 +127,8 @@ def _sum_of_squares(factor: Expr, nonnegative: tuple[Symbol, ...]) -> bool:
 def _quadratic_form(factor: Expr) -> bool:
     """Return whether the factor is a positive semidefinite quadratic form."""
     symbols = sorted(factor.free_symbols, key=str)
+    if not factor.is_polynomial(*symbols):
+        return False
     polynomial = sympy.Poly(factor, *symbols)
     if any(sum(powers) != 2 for powers in polynomial.monoms()):
         return False

@@ -112,6 +112,15 @@ def _metric_basis() -> sympy.polys.polytools.GroebnerBasis:
     return sympy.groebner(relations, _p, _q, _r, J, g12, g11, g22, order="lex")
 
 
+def sampled_type(matrix: sympy.Matrix) -> Type:
+    """Return the type as random points with J > 0 show it, without a proof: enough to choose a solver by."""
+    values, _, _ = _sample(matrix)
+    positive, negative = bool((values > _ROUND_OFF).any()), bool((values < -_ROUND_OFF).any())
+    if positive and negative:
+        return "changing type"
+    return "elliptic" if positive or negative or not values.size else "degenerate"
+
+
 def ellipticity(matrix: sympy.Matrix, *, rotates: bool, turns: bool, positive: tuple[Symbol, ...]) -> Ellipticity:
     """Decide the type of a principal symbol where J > 0.
 

@@ -16,7 +16,6 @@ from support import (
     relative_difference,
     run,
 )
-from sympy.polys.polyerrors import PolynomialError
 
 from gridgen_sym.functionals import define
 from gridgen_sym.runtime import find_compiler, kernels
@@ -98,6 +97,5 @@ def test_what_stands_for_a_barrier_is_found():
         derived_kernel(without, "regularized")
 
 
-@pytest.mark.xfail(strict=True, raises=PolynomialError, reason="the classification of fractional powers fails in SymPy")
 def test_kernels_do_not_depend_on_the_whole_classification():
     assert derived_kernel(define("hard", "(g11 + g22)**1.25/J**1.5 + J**12"), "plain").barrier

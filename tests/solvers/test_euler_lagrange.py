@@ -271,9 +271,10 @@ def test_no_iterations_return_the_start_and_a_solution_converges_at_once(method,
     assert again.converged, again.message
 
 
-def test_the_best_valid_grid_is_returned_where_that_is_asked_for():
+@pytest.mark.parametrize("method", ["newton", "relaxation"])
+def test_the_best_valid_grid_is_returned_where_that_is_asked_for(method):
     start = gg.domain("chevron", 15, 15)
-    folded, valid = (gg.solve_euler_lagrange(start, "length", keep_valid=keep) for keep in (False, True))
+    folded, valid = (gg.solve_euler_lagrange(start, "length", method, keep_valid=keep) for keep in (False, True))
     assert folded.converged
     assert folded.quality.folded_cells > 0
     assert "folded" in folded.message
