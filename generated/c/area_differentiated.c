@@ -341,24 +341,24 @@ static void energy_rows(const Block *block, int64_t first, int64_t last, const d
         const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
         const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
         const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-        if (corners_of_cell(block, i, j) & 1u) {
+        {
           const corner_energy_values corner = corner_energy(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
-          energy += corner.energy;
+          if (corners_of_cell(block, i, j) & 1u) energy += corner.energy;
           smallest = corner.jacobian < smallest ? corner.jacobian : smallest;
         }
-        if (corners_of_cell(block, i, j) & 2u) {
+        {
           const corner_energy_values corner = corner_energy(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
-          energy += corner.energy;
+          if (corners_of_cell(block, i, j) & 2u) energy += corner.energy;
           smallest = corner.jacobian < smallest ? corner.jacobian : smallest;
         }
-        if (corners_of_cell(block, i, j) & 4u) {
+        {
           const corner_energy_values corner = corner_energy(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
-          energy += corner.energy;
+          if (corners_of_cell(block, i, j) & 4u) energy += corner.energy;
           smallest = corner.jacobian < smallest ? corner.jacobian : smallest;
         }
-        if (corners_of_cell(block, i, j) & 8u) {
+        {
           const corner_energy_values corner = corner_energy(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
-          energy += corner.energy;
+          if (corners_of_cell(block, i, j) & 8u) energy += corner.energy;
           smallest = corner.jacobian < smallest ? corner.jacobian : smallest;
         }
       }
@@ -424,37 +424,45 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
       const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
       const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
       double f0x = 0.0, f0y = 0.0, f1x = 0.0, f1y = 0.0, f2x = 0.0, f2y = 0.0, f3x = 0.0, f3y = 0.0;
-      if (corners_of_cell(block, i, begin + k) & 1u) {
+      {
         const corner_gradient_values corner = corner_gradient(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
-        sum += corner.energy;
         least = corner.jacobian < least ? corner.jacobian : least;
+        if (corners_of_cell(block, i, begin + k) & 1u) {
+        sum += corner.energy;
         f0x -= corner.d0, f0y -= corner.d1, f1x += corner.d0, f1y += corner.d1;
         f0x -= corner.d2, f0y -= corner.d3, f2x += corner.d2, f2y += corner.d3;
         f0x += corner.p0, f0y += corner.p1;
+        }
       }
-      if (corners_of_cell(block, i, begin + k) & 2u) {
+      {
         const corner_gradient_values corner = corner_gradient(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
-        sum += corner.energy;
         least = corner.jacobian < least ? corner.jacobian : least;
+        if (corners_of_cell(block, i, begin + k) & 2u) {
+        sum += corner.energy;
         f0x -= corner.d0, f0y -= corner.d1, f1x += corner.d0, f1y += corner.d1;
         f1x -= corner.d2, f1y -= corner.d3, f3x += corner.d2, f3y += corner.d3;
         f1x += corner.p0, f1y += corner.p1;
+        }
       }
-      if (corners_of_cell(block, i, begin + k) & 4u) {
+      {
         const corner_gradient_values corner = corner_gradient(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
-        sum += corner.energy;
         least = corner.jacobian < least ? corner.jacobian : least;
+        if (corners_of_cell(block, i, begin + k) & 4u) {
+        sum += corner.energy;
         f2x -= corner.d0, f2y -= corner.d1, f3x += corner.d0, f3y += corner.d1;
         f0x -= corner.d2, f0y -= corner.d3, f2x += corner.d2, f2y += corner.d3;
         f2x += corner.p0, f2y += corner.p1;
+        }
       }
-      if (corners_of_cell(block, i, begin + k) & 8u) {
+      {
         const corner_gradient_values corner = corner_gradient(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
-        sum += corner.energy;
         least = corner.jacobian < least ? corner.jacobian : least;
+        if (corners_of_cell(block, i, begin + k) & 8u) {
+        sum += corner.energy;
         f2x -= corner.d0, f2y -= corner.d1, f3x += corner.d0, f3y += corner.d1;
         f1x -= corner.d2, f1y -= corner.d3, f3x += corner.d2, f3y += corner.d3;
         f3x += corner.p0, f3y += corner.p1;
+        }
       }
       f[0][k + 1] = f0x, f[1][k + 1] = f0y;
       f[2][k + 1] = f1x, f[3][k + 1] = f1y;
@@ -473,35 +481,43 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
     double f0x = 0.0, f0y = 0.0, f1x = 0.0, f1y = 0.0, f2x = 0.0, f2y = 0.0, f3x = 0.0, f3y = 0.0;
     {
       const corner_gradient_values corner = corner_gradient(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
-      sum += corner.energy;
       least = corner.jacobian < least ? corner.jacobian : least;
+      {
+      sum += corner.energy;
       f0x -= corner.d0, f0y -= corner.d1, f1x += corner.d0, f1y += corner.d1;
       f0x -= corner.d2, f0y -= corner.d3, f2x += corner.d2, f2y += corner.d3;
       f0x += corner.p0, f0y += corner.p1;
+      }
     }
     {
       const corner_gradient_values corner = corner_gradient(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
-      sum += corner.energy;
       least = corner.jacobian < least ? corner.jacobian : least;
+      {
+      sum += corner.energy;
       f0x -= corner.d0, f0y -= corner.d1, f1x += corner.d0, f1y += corner.d1;
       f1x -= corner.d2, f1y -= corner.d3, f3x += corner.d2, f3y += corner.d3;
       f1x += corner.p0, f1y += corner.p1;
+      }
     }
     {
       const corner_gradient_values corner = corner_gradient(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
-      sum += corner.energy;
       least = corner.jacobian < least ? corner.jacobian : least;
+      {
+      sum += corner.energy;
       f2x -= corner.d0, f2y -= corner.d1, f3x += corner.d0, f3y += corner.d1;
       f0x -= corner.d2, f0y -= corner.d3, f2x += corner.d2, f2y += corner.d3;
       f2x += corner.p0, f2y += corner.p1;
+      }
     }
     {
       const corner_gradient_values corner = corner_gradient(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
-      sum += corner.energy;
       least = corner.jacobian < least ? corner.jacobian : least;
+      {
+      sum += corner.energy;
       f2x -= corner.d0, f2y -= corner.d1, f3x += corner.d0, f3y += corner.d1;
       f1x -= corner.d2, f1y -= corner.d3, f3x += corner.d2, f3y += corner.d3;
       f3x += corner.p0, f3y += corner.p1;
+      }
     }
     f[0][k + 1] = f0x, f[1][k + 1] = f0y;
     f[2][k + 1] = f1x, f[3][k + 1] = f1y;
@@ -1135,7 +1151,6 @@ static double local_energy(const Block *block, int64_t i, int64_t j, double px, 
   const double own_weight = w[n] + w[plane + n] * mx + w[2*plane + n] * my
                             + 0.5 * (w[3*plane + n] * mx * mx + 2.0 * w[4*plane + n] * mx * my + w[5*plane + n] * my * my);
   double energy = 0.0;
-  for (int k = 0; k < 12; ++k) jacobian[k] = INFINITY;
   for (int cell = 0; cell < 4; ++cell) {
     const int sx = cell & 1 ? 1 : -1, sy = cell & 2 ? 1 : -1;
     const int64_t e = n + sx * stride, f = n + sy, o = n + sx * stride + sy;
@@ -1146,16 +1161,12 @@ static double local_energy(const Block *block, int64_t i, int64_t j, double px, 
     const corner_energy_values own = corner_energy(ax, ay, bx, by, own_weight, w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
     energy += own.energy;
     jacobian[3 * cell] = own.jacobian;
-    if (along_xi) {
-      const corner_energy_values next = corner_energy(ax, ay, dx, dy, w[0*plane + e], w[1*plane + e], w[2*plane + e], w[3*plane + e], w[4*plane + e], w[5*plane + e], parameters);
-      energy += next.energy;
-      jacobian[3 * cell + 1] = next.jacobian;
-    }
-    if (along_eta) {
-      const corner_energy_values next = corner_energy(cx, cy, bx, by, w[0*plane + f], w[1*plane + f], w[2*plane + f], w[3*plane + f], w[4*plane + f], w[5*plane + f], parameters);
-      energy += next.energy;
-      jacobian[3 * cell + 2] = next.jacobian;
-    }
+    const corner_energy_values next_xi = corner_energy(ax, ay, dx, dy, w[0*plane + e], w[1*plane + e], w[2*plane + e], w[3*plane + e], w[4*plane + e], w[5*plane + e], parameters);
+    if (along_xi) energy += next_xi.energy;
+    jacobian[3 * cell + 1] = next_xi.jacobian;
+    const corner_energy_values next_eta = corner_energy(cx, cy, bx, by, w[0*plane + f], w[1*plane + f], w[2*plane + f], w[3*plane + f], w[4*plane + f], w[5*plane + f], parameters);
+    if (along_eta) energy += next_eta.energy;
+    jacobian[3 * cell + 2] = next_eta.jacobian;
   }
   return energy;
 }

@@ -386,16 +386,16 @@ def area_differentiated_energy(block, coordinates, weight, parameters, row_energ
         counted = corners_of_cells(block, rows)
         corner = corner_energy(a0[0], a0[1], b0[0], b0[1], w0[0], w0[1], w0[2], w0[3], w0[4], w0[5], parameters)
         energy = energy + np.where(counted[0], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[0], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         corner = corner_energy(a0[0], a0[1], b1[0], b1[1], w1[0], w1[1], w1[2], w1[3], w1[4], w1[5], parameters)
         energy = energy + np.where(counted[1], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[1], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         corner = corner_energy(a1[0], a1[1], b0[0], b0[1], w2[0], w2[1], w2[2], w2[3], w2[4], w2[5], parameters)
         energy = energy + np.where(counted[2], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[2], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         corner = corner_energy(a1[0], a1[1], b1[0], b1[1], w3[0], w3[1], w3[2], w3[3], w3[4], w3[5], parameters)
         energy = energy + np.where(counted[3], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[3], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
     row_energy[slice(*rows)] = energy.sum(axis=1)
     row_min_jacobian[slice(*rows)] = smallest.min(axis=1)
 
@@ -412,7 +412,7 @@ def area_differentiated_energy_gradient(block, coordinates, weight, parameters, 
         counted, f = corners_of_cells(block, rows), nodes_of_cells(total, rows)
         corner = corner_gradient(a0[0], a0[1], b0[0], b0[1], w0[0], w0[1], w0[2], w0[3], w0[4], w0[5], parameters)
         energy = energy + np.where(counted[0], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[0], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         d0, d1, d2, d3 = (np.where(counted[0], d, 0.0) for d in (corner.d0, corner.d1, corner.d2, corner.d3))
         f[0][0] -= d0
         f[0][1] -= d1
@@ -426,7 +426,7 @@ def area_differentiated_energy_gradient(block, coordinates, weight, parameters, 
         f[0][1] += np.where(counted[0], corner.p1, 0.0)
         corner = corner_gradient(a0[0], a0[1], b1[0], b1[1], w1[0], w1[1], w1[2], w1[3], w1[4], w1[5], parameters)
         energy = energy + np.where(counted[1], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[1], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         d0, d1, d2, d3 = (np.where(counted[1], d, 0.0) for d in (corner.d0, corner.d1, corner.d2, corner.d3))
         f[0][0] -= d0
         f[0][1] -= d1
@@ -440,7 +440,7 @@ def area_differentiated_energy_gradient(block, coordinates, weight, parameters, 
         f[1][1] += np.where(counted[1], corner.p1, 0.0)
         corner = corner_gradient(a1[0], a1[1], b0[0], b0[1], w2[0], w2[1], w2[2], w2[3], w2[4], w2[5], parameters)
         energy = energy + np.where(counted[2], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[2], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         d0, d1, d2, d3 = (np.where(counted[2], d, 0.0) for d in (corner.d0, corner.d1, corner.d2, corner.d3))
         f[2][0] -= d0
         f[2][1] -= d1
@@ -454,7 +454,7 @@ def area_differentiated_energy_gradient(block, coordinates, weight, parameters, 
         f[2][1] += np.where(counted[2], corner.p1, 0.0)
         corner = corner_gradient(a1[0], a1[1], b1[0], b1[1], w3[0], w3[1], w3[2], w3[3], w3[4], w3[5], parameters)
         energy = energy + np.where(counted[3], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[3], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         d0, d1, d2, d3 = (np.where(counted[3], d, 0.0) for d in (corner.d0, corner.d1, corner.d2, corner.d3))
         f[2][0] -= d0
         f[2][1] -= d1
@@ -717,8 +717,7 @@ def local_energy(block, coordinates, weight, parameters, i, j, position):
         next_eta = corner_energy(c[0], c[1], b[0], b[1], weight[(0, *f)], weight[(1, *f)], weight[(2, *f)], weight[(3, *f)], weight[(4, *f)], weight[(5, *f)], parameters)
         energy = energy + own.energy + np.where(along_xi, next_xi.energy, 0.0) + np.where(along_eta, next_eta.energy, 0.0)
         jacobians.append(own.jacobian)
-        jacobians.append(np.where(along_xi, next_xi.jacobian, np.inf))
-        jacobians.append(np.where(along_eta, next_eta.jacobian, np.inf))
+        jacobians += [next_xi.jacobian, next_eta.jacobian]
     return energy, np.array(jacobians)
 
 
@@ -900,7 +899,7 @@ def area_differentiated_euler_lagrange_relaxation(block, coordinates, weight, pa
         xy = -2.0 * (second_xi * r.x_y_xixi + second_eta * r.x_y_etaeta)
         yx = -2.0 * (second_xi * r.y_x_xixi + second_eta * r.y_x_etaeta)
         yy = -2.0 * (second_xi * r.y_y_xixi + second_eta * r.y_y_etaeta)
-        determinant = xx * yy - xy * yx
+        determinant = np.asarray(xx * yy - xy * yx)
         # A node whose own equations are singular is left where it is.
         chosen &= np.abs(determinant) > 1e-12 * (np.abs(xx * yy) + np.abs(xy * yx))
         step = relaxation * (yy * r.r_x - xy * r.r_y) / determinant, relaxation * (xx * r.r_y - yx * r.r_x) / determinant

@@ -266,16 +266,16 @@ def length_energy(block, coordinates, weight, parameters, row_energy, row_min_ja
         counted = corners_of_cells(block, rows)
         corner = corner_energy(a0[0], a0[1], b0[0], b0[1], parameters)
         energy = energy + np.where(counted[0], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[0], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         corner = corner_energy(a0[0], a0[1], b1[0], b1[1], parameters)
         energy = energy + np.where(counted[1], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[1], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         corner = corner_energy(a1[0], a1[1], b0[0], b0[1], parameters)
         energy = energy + np.where(counted[2], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[2], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         corner = corner_energy(a1[0], a1[1], b1[0], b1[1], parameters)
         energy = energy + np.where(counted[3], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[3], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
     row_energy[slice(*rows)] = energy.sum(axis=1)
     row_min_jacobian[slice(*rows)] = smallest.min(axis=1)
 
@@ -291,7 +291,7 @@ def length_energy_gradient(block, coordinates, weight, parameters, row_energy, r
         counted, f = corners_of_cells(block, rows), nodes_of_cells(total, rows)
         corner = corner_gradient(a0[0], a0[1], b0[0], b0[1], parameters)
         energy = energy + np.where(counted[0], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[0], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         d0, d1, d2, d3 = (np.where(counted[0], d, 0.0) for d in (corner.d0, corner.d1, corner.d2, corner.d3))
         f[0][0] -= d0
         f[0][1] -= d1
@@ -303,7 +303,7 @@ def length_energy_gradient(block, coordinates, weight, parameters, row_energy, r
         f[2][1] += d3
         corner = corner_gradient(a0[0], a0[1], b1[0], b1[1], parameters)
         energy = energy + np.where(counted[1], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[1], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         d0, d1, d2, d3 = (np.where(counted[1], d, 0.0) for d in (corner.d0, corner.d1, corner.d2, corner.d3))
         f[0][0] -= d0
         f[0][1] -= d1
@@ -315,7 +315,7 @@ def length_energy_gradient(block, coordinates, weight, parameters, row_energy, r
         f[3][1] += d3
         corner = corner_gradient(a1[0], a1[1], b0[0], b0[1], parameters)
         energy = energy + np.where(counted[2], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[2], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         d0, d1, d2, d3 = (np.where(counted[2], d, 0.0) for d in (corner.d0, corner.d1, corner.d2, corner.d3))
         f[2][0] -= d0
         f[2][1] -= d1
@@ -327,7 +327,7 @@ def length_energy_gradient(block, coordinates, weight, parameters, row_energy, r
         f[2][1] += d3
         corner = corner_gradient(a1[0], a1[1], b1[0], b1[1], parameters)
         energy = energy + np.where(counted[3], corner.energy, 0.0)
-        smallest = np.minimum(smallest, np.where(counted[3], corner.jacobian, np.inf))
+        smallest = np.minimum(smallest, corner.jacobian)
         d0, d1, d2, d3 = (np.where(counted[3], d, 0.0) for d in (corner.d0, corner.d1, corner.d2, corner.d3))
         f[2][0] -= d0
         f[2][1] -= d1
@@ -582,8 +582,7 @@ def local_energy(block, coordinates, weight, parameters, i, j, position):
         next_eta = corner_energy(c[0], c[1], b[0], b[1], parameters)
         energy = energy + own.energy + np.where(along_xi, next_xi.energy, 0.0) + np.where(along_eta, next_eta.energy, 0.0)
         jacobians.append(own.jacobian)
-        jacobians.append(np.where(along_xi, next_xi.jacobian, np.inf))
-        jacobians.append(np.where(along_eta, next_eta.jacobian, np.inf))
+        jacobians += [next_xi.jacobian, next_eta.jacobian]
     return energy, np.array(jacobians)
 
 
@@ -754,7 +753,7 @@ def length_euler_lagrange_relaxation(block, coordinates, weight, parameters, fix
         xy = -2.0 * (second_xi * r.x_y_xixi + second_eta * r.x_y_etaeta)
         yx = -2.0 * (second_xi * r.y_x_xixi + second_eta * r.y_x_etaeta)
         yy = -2.0 * (second_xi * r.y_y_xixi + second_eta * r.y_y_etaeta)
-        determinant = xx * yy - xy * yx
+        determinant = np.asarray(xx * yy - xy * yx)
         # A node whose own equations are singular is left where it is.
         chosen &= np.abs(determinant) > 1e-12 * (np.abs(xx * yy) + np.abs(xy * yx))
         step = relaxation * (yy * r.r_x - xy * r.r_y) / determinant, relaxation * (xx * r.r_y - yx * r.r_x) / determinant

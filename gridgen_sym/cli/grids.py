@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 _DEFAULT_CELLS = (40, 40)
 #: What a solver says that was stopped by Ctrl-C and returns the best grid that it had.
-_INTERRUPTED = "it was interrupted"
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 
 
@@ -71,7 +70,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     result: Result = solve(start)
     _report(result, quiet)
     _write(result.grid, output, plot, name, input, quiet)
-    if not result.converged and _INTERRUPTED in result.message:
+    if result.interrupted:
         raise click.exceptions.Exit(130)
     if not result.quality.valid:
         raise click.exceptions.Exit(1)

@@ -98,7 +98,12 @@ class Functional:
             if name not in merged:
                 known = ", ".join(merged) or "none: it has no parameters"
                 raise GridgenError(f"functional {self.name!r} has no parameter {name!r}; it has {known}")
-            merged[name] = float(value)
+            try:
+                merged[name] = float(value)
+            except (TypeError, ValueError):
+                raise GridgenError(
+                    f"parameter {name!r} of functional {self.name!r} is {value!r}: give a finite number"
+                ) from None
             if not abs(merged[name]) < float("inf"):
                 raise GridgenError(f"parameter {name!r} of functional {self.name!r} is {value}: give a finite number")
         for constraint in self.constraints:
@@ -125,7 +130,7 @@ def functional(name: str | Functional) -> Functional:
     """
     if isinstance(name, Functional):
         return name
-    if name not in _registry:
+    if not isinstance(name, str) or name not in _registry:
         close = get_close_matches(str(name), _registry, n=1)
         hint = f" Did you mean {close[0]!r}?" if close else ""
         raise GridgenError(f"unknown functional {name!r}; known: {', '.join(_registry)}.{hint}")

@@ -63,7 +63,7 @@ class KernelSet:
     def energy(
         self, coordinates: Array, weight: Array | None = None, *, interior_only: bool = False
     ) -> tuple[float, float]:
-        """Return the energy, summed over corners, and the smallest Jacobian of any corner."""
+        """Return the energy, summed over corners, and the smallest Jacobian of any corner, counted or not."""
         rows = np.empty((2, coordinates.shape[1] - 1))
         self._call("energy", coordinates, weight, rows[0], rows[1], interior_only=interior_only)
         return float(rows[0].sum()), float(rows[1].min())
@@ -199,6 +199,8 @@ def kernels(
     Raises:
         GridgenError: for unknown parameters or backends, or if the compiler rejects the kernels.
     """
+    if parameters is not None and not isinstance(parameters, Mapping):
+        raise GridgenError(f"parameters must be given by name, as in {{'k': 0.5}}; came {parameters!r}")
     given = dict(parameters or {})
     if variant == "regularized" and "epsilon" not in given:
         raise GridgenError(
@@ -242,7 +244,7 @@ def choose_backend(name: str | None = None) -> Backend:
         GridgenError: for an unknown name, or `c` where there is no compiler.
     """
     name = name or os.environ.get("GRIDGEN_SYM_BACKEND") or None
-    if name is not None and name not in _BACKENDS:
+    if name is not None and (not isinstance(name, str) or name not in _BACKENDS):
         raise GridgenError(f"unknown backend {name!r}: GRIDGEN_SYM_BACKEND and backend= take 'c' or 'numpy'")
     if name == "c" and find_compiler() is None:
         raise GridgenError("the backend 'c' needs a C compiler: install one (cc, gcc or clang), or set CC to its path")

@@ -19,6 +19,7 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid, corner_jacobians
 from ..runtime import Array
+from .newton import minimize
 from .problem import Problem, check_controls, make_problem, result_of
 from .progress import Callback, Progress
 from .result import Result
@@ -27,6 +28,8 @@ from .untangle import could_not_unfold, unfold
 from .weight import Source, Weight
 
 _HALVINGS = 30
+#: How near to the minimum a grid is brought that was folded at the start.
+_NEAR, _STEPS_NEAR = 1e-2, 50
 #: Levenberg's damping: where it begins and ends, over the mean diagonal of the normal equations.
 _FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
 #: How much the residual may grow before a relaxation is called divergent, and the weakest one that is tried.
@@ -35,16 +38,15 @@ _DIVERGENCE, _WEAKEST = 1e2, 0.05
 
 @dataclass(slots=True)
 class _Equations:
-    """The discrete equations at the free nodes, and the best grid that an iteration has seen.
+    """The discrete equations at the free nodes, and the best grids that an iteration has seen, by their residual.
 
-    A valid grid is better than a folded one; of two alike, that with the smaller residual.
+    Attributes:
+        best: of all, and of the valid ones: the residual's norm and the coordinates.
     """
 
     problem: Problem
     spacing: tuple[float, float]
-    keep_valid: bool
-    best: Array = field(default_factory=lambda: np.empty(0))
-    best_key: tuple[bool, float] = (True, np.inf)
+    best: dict[bool, tuple[float, Array]] = field(default_factory=dict)
 
     def residual(self, coordinates: Array) -> Array:
         residual = self.problem.kernels.euler_lagrange_residual(
@@ -64,11 +66,11 @@ class _Equations:
         return float(10 * np.finfo(float).eps * np.abs(coordinates).max() * np.linalg.norm(rows))
 
     def remember(self, coordinates: Array, norm: float) -> float:
-        """Keep the grid if it is the best so far; return its smallest Jacobian."""
+        """Keep the grid if it is the best so far, or the best valid one; return its smallest Jacobian."""
         smallest = float(corner_jacobians(coordinates[0], coordinates[1]).min())
-        key = (self.keep_valid and not smallest > 0, norm)
-        if key < self.best_key:
-            self.best, self.best_key = coordinates.copy(), key
+        for valid in {False, smallest > 0}:
+            if valid not in self.best or norm < self.best[valid][0]:
+                self.best[valid] = norm, coordinates.copy()
         return smallest
 
 
@@ -116,12 +118,11 @@ def solve_euler_lagrange(
     """
     if method not in ("newton", "relaxation"):
         raise GridgenError(f"unknown method {method!r}: solve_euler_lagrange takes 'newton' or 'relaxation'")
-    check_controls(tolerance, max_iterations)
-    if min(spacing) <= 0 or (relaxation is not None and not 0 < relaxation < 2):
-        raise GridgenError(f"spacing must be positive and relaxation between 0 and 2; came {spacing} and {relaxation}")
+    check_controls(tolerance, max_iterations, callback)
+    _check_numbers(spacing, relaxation)
     definition = functional(name)
     problem = make_problem(grid, definition, weight=weight, fixed=fixed, parameters=parameters, backend=backend)
-    equations, coordinates = _Equations(problem, spacing, keep_valid), grid.planes.copy()
+    equations, coordinates = _Equations(problem, spacing), grid.planes.copy()
     with Progress(f"Euler–Lagrange equations of {definition.name}", callback, progress) as report:
         said = ""
         if method == "newton" and problem.kernels.barrier and corner_jacobians(*coordinates).min() <= 0:
@@ -129,6 +130,9 @@ def solve_euler_lagrange(
             report.begin("untangle", grid.shape)
             if not unfold(problem, definition, coordinates, parameters, report):
                 return result_of(problem, coordinates, report, False, could_not_unfold(coordinates, definition))
+            # Just unfolded is far from a solution: the energy leads into its neighborhood, the residual's norm may not.
+            problem.refresh(coordinates)
+            minimize(problem, coordinates, report, tolerance=_NEAR, max_iterations=_STEPS_NEAR, keep_valid=True)
             problem.refresh(coordinates)
         report.begin("solve", grid.shape)
         if method == "relaxation":
@@ -136,30 +140,42 @@ def solve_euler_lagrange(
             converged, message = _relax(equations, coordinates, report, tolerance, limit, relaxation)
         else:
             limit = 200 if max_iterations is None else max_iterations
-            converged, message = _newton(equations, coordinates, report, tolerance, limit)
-    return _finish(equations, coordinates, report, converged, said + message)
+            converged, message = _newton(equations, coordinates, report, tolerance, limit, keep_valid)
+    return _finish(equations, coordinates, report, converged, said + message, keep_valid)
 
 
-def _finish(equations: _Equations, coordinates: Array, report: Progress, converged: bool, message: str) -> Result:
-    """Say what the type of the equations means for the result, and never hand out a fold without a word."""
-    smallest = float(corner_jacobians(coordinates[0], coordinates[1]).min())
-    if not smallest > 0 and equations.keep_valid and not equations.best_key[0]:
-        coordinates, converged = equations.best, False
+def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> None:
+    """Refuse a spacing that is not two positive numbers, or a relaxation that must diverge."""
+    given = np.asarray(spacing, dtype=object).ravel()
+    numbers = [isinstance(value, (int, float, np.number)) and 0 < value < np.inf for value in given]
+    if numbers != [True, True]:
+        raise GridgenError(f"spacing must be two positive numbers, along xi and along eta; came {spacing!r}")
+    if relaxation is not None and not (isinstance(relaxation, (int, float)) and 0 < relaxation < 2):
+        raise GridgenError(f"expected a relaxation between 0 and 2; came {relaxation!r}")
+
+
+def _finish(
+    equations: _Equations, coordinates: Array, report: Progress, converged: bool, message: str, keep_valid: bool
+) -> Result:
+    """Choose the grid to return, and say what the type of the equations means for it."""
+    folded = not float(corner_jacobians(coordinates[0], coordinates[1]).min()) > 0
+    if converged and folded and keep_valid and True in equations.best:
+        coordinates, converged = equations.best[True][1], False
         message += (
-            " That solution is folded; this is the best valid grid on the way (keep_valid=False returns that solution)."
+            " That solution is folded; this is the best valid grid on the way (keep_valid=False returns the solution)."
         )
-    elif not converged and equations.best.size:
-        coordinates = equations.best
-    elif not smallest > 0:
-        message += " The solution of the discrete equations is folded."
+    elif not converged and equations.best:
+        coordinates = equations.best[True in equations.best][1]
+        message += " This is the best valid grid on the way." if folded and True in equations.best else ""
     kind = equations.problem.kernels.equation_type
     if kind != "elliptic":
         message += f" The equations are not elliptic ({kind}), so a solution need not exist or be unique."
+    equations.problem.refresh(coordinates)
     return result_of(equations.problem, coordinates, report, converged, message)
 
 
 def _newton(
-    equations: _Equations, coordinates: Array, report: Progress, tolerance: float, limit: int
+    equations: _Equations, coordinates: Array, report: Progress, tolerance: float, limit: int, keep_valid: bool
 ) -> tuple[bool, str]:
     """Newton's method with a line search on the residual's norm, or Levenberg's damping where not elliptic."""
     problem, damping = equations.problem, 0.0
@@ -176,7 +192,7 @@ def _newton(
         if iteration == limit:
             break
         matrix = assemble_jacobian(equations.jacobian_planes(coordinates), problem.fixed)
-        guard = 0.1 * smallest if smallest > 0 and (problem.kernels.barrier or equations.keep_valid) else -np.inf
+        guard = 0.1 * smallest if smallest > 0 and (problem.kernels.barrier or keep_valid) else -np.inf
         step, damping = _reduce(equations, matrix, coordinates, residual, damping, guard)
         if step is None:
             return (

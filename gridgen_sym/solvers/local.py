@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..runtime import Array
-from .problem import Problem, diverges, jacobian_floor, norm_of
+from .problem import Problem, converged_message, diverges, jacobian_floor, norm_of
 from .progress import Progress
 
 COLOURS = 4
@@ -35,10 +35,12 @@ def sweep_until_converged(
     progress.step(0, energy, norm, smallest)
     extent = float(np.ptp(coordinates))
     guard = keep_valid or problem.kernels.barrier
-    floor = jacobian_floor(smallest) if guard else -1.0
+    # On a folded start there is no validity to keep, and corners that cannot be mended would hold all others back.
+    floor = jacobian_floor(smallest) if guard and smallest > 0 else -1.0
+    round_off = problem.round_off(coordinates, gradient)
     for iteration in range(max_iterations + 1):
-        if norm <= max(tolerance * first, problem.round_off(coordinates, energy)):
-            return True, f"the gradient's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+        if norm <= max(tolerance * first, round_off):
+            return True, converged_message(norm, first, iteration)
         if iteration == max_iterations:
             break
         before = coordinates.copy()
@@ -68,5 +70,6 @@ def sweep_until_converged(
             )
     return False, (
         f"{max_iterations} sweeps have brought the gradient's norm to {norm:.2e}, {norm / first:.1e} of its first "
-        f"value, not to {tolerance:.1e}: allow more with max_iterations, or use method='newton'."
+        f"value, not to {tolerance:.1e}: allow more with max_iterations, or use method='newton'"
+        f"{'; if cells that would fold hold it back, keep_valid=False lets them' if keep_valid else ''}."
     )

@@ -32,7 +32,7 @@ def worth_nesting(problem: Problem, coordinates: Array) -> bool:
     node are things that they would lose.
     """
     inner_fixed = bool(problem.fixed[1:-1, 1:-1].any())
-    weight_per_node = problem.weight is not None and isinstance(problem.weight.source, np.ndarray)
+    weight_per_node = problem.weight is not None and problem.weight.per_node
     if problem.kernels.backend != "c" or inner_fixed or weight_per_node or len(coarse_shapes(problem.fixed.shape)) == 1:
         return False
     difference = np.abs(coordinates - from_boundary(coordinates)).max()

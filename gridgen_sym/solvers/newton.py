@@ -8,7 +8,7 @@ import numpy as np
 
 from ..runtime import Array
 from .linear import LinearSolver, linear_solver
-from .problem import Problem, diverges, jacobian_floor, norm_of
+from .problem import Problem, converged_message, diverges, jacobian_floor, norm_of
 from .progress import Progress
 
 #: Armijo's constant, and how often a step is halved.
@@ -59,12 +59,12 @@ def minimize(
     norm = norm_of(gradient)
     first = min(reference or norm, problem.gradient_scale(coordinates, energy) or norm)
     progress.step(0, energy, norm, smallest)
-    floor, round_off = jacobian_floor(smallest), problem.round_off(coordinates, 1.0)
+    floor, round_off = jacobian_floor(smallest), problem.round_off(coordinates, gradient)
     state = _Newton(problem, solver or linear_solver(problem.fixed, problem.kernels.backend), semidefinite)
     held_back, extent = 0, float(np.ptp(coordinates))
     for iteration in range(max_iterations + 1):
-        if norm <= max(tolerance * first, round_off * abs(energy)):
-            return True, f"the gradient's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+        if norm <= max(tolerance * first, round_off):
+            return True, converged_message(norm, first, iteration)
         if iteration == max_iterations:
             break
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.
@@ -81,7 +81,7 @@ def minimize(
         energy, smallest, gradient = problem.energy_gradient(coordinates)
         norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
-        state.learn(search.length, norm / before[1], max(tolerance * first, round_off * abs(energy)) / (norm or 1.0))
+        state.learn(search.length, norm / before[1], max(tolerance * first, round_off) / (norm or 1.0))
         held_back = held_back + 1 if search.folds and before[0] - energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
             why = "the minimum lies beyond the valid grids: every step downhill would fold a cell"

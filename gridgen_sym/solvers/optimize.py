@@ -72,7 +72,7 @@ def optimize(
     """
     if method not in ("newton", "local"):
         raise GridgenError(f"unknown method {method!r}: optimize takes 'newton' or 'local'")
-    check_controls(tolerance, max_iterations)
+    check_controls(tolerance, max_iterations, callback)
     definition = functional(name)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
@@ -87,9 +87,10 @@ def optimize(
         )
 
     run = _Run(make(grid, fixed), definition, parameters, grid.planes.copy())
+    interrupted = False
     with Progress(f"{definition.name}, {method}", callback, progress) as report:
         try:
-            if method == "newton" and worth_nesting(run.problem, run.coordinates):
+            if method == "newton" and max_iterations != 0 and worth_nesting(run.problem, run.coordinates):
                 run.take(nested_start(make, definition, run.coordinates, parameters, report))
             if not run.make_valid(report):
                 message = could_not_unfold(run.coordinates, definition)
@@ -115,8 +116,8 @@ def optimize(
                     keep_valid=keep_valid,
                 )
         except KeyboardInterrupt:
-            converged, message = False, "it was interrupted; this is the best grid that it had."
-    return result_of(run.problem, run.coordinates, report, converged, run.said + message)
+            converged, interrupted, message = False, True, "it was interrupted; this is the best grid that it had."
+    return result_of(run.problem, run.coordinates, report, converged, run.said + message, interrupted=interrupted)
 
 
 @dataclass(slots=True)
@@ -182,6 +183,7 @@ def untangle(
         GridgenError: if the functional has no barrier, and for other input that cannot be used.
     """
     definition = functional(name)
+    check_controls(0.5, None, callback)
     problem = make_problem(grid, definition, fixed=fixed, parameters=parameters, backend=backend)
     if not problem.kernels.barrier:
         raise GridgenError(f"untangling needs a functional with a barrier at J = 0, such as winslow; {name!r} has none")

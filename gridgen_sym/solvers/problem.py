@@ -11,11 +11,14 @@ import numpy.typing as npt
 
 from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
-from ..grids import Grid
+from ..grids import Grid, corner_jacobians
 from ..runtime import Array, KernelSet, Mask, kernels
-from .progress import Progress
+from .progress import Callback, Progress
 from .result import Result
 from .weight import Source, Weight, as_weight
+
+#: Coordinates beyond this size overflow in densities of the fourth degree, and in their squares.
+_LARGEST = 1e30
 
 
 @dataclass(slots=True)
@@ -74,15 +77,23 @@ class Problem:
 
         On a grid that is only just valid the gradient is larger by any factor, and no measure of anything.
         """
-        return float(abs(energy) / (_spacing(coordinates) * np.sqrt(coordinates[0].size) + np.finfo(float).tiny))
+        spacing = _spacing(coordinates)
+        return abs(energy) / (spacing * float(np.sqrt(coordinates[0].size))) if spacing > 0 else 0.0
 
-    def round_off(self, coordinates: Array, energy: float) -> float:
-        """Return the norm below which the gradient of this energy cannot be told from zero.
+    def round_off(self, coordinates: Array, gradient: Array) -> float:
+        """Return the norm below which the gradient cannot be told from zero: what rounding of coordinates makes of it.
 
-        Differences of coordinates of size L over a spacing h lose a factor L/h.
+        Measured: by the change of the gradient when every node is moved a little, up and down in turn.
         """
-        lost = float(np.abs(coordinates).max()) / (_spacing(coordinates) + np.finfo(float).tiny)
-        return 10 * float(np.finfo(float).eps) * lost * self.gradient_scale(coordinates, energy)
+        size, little = float(np.abs(coordinates).max()), 1e-4 * _spacing(coordinates)
+        _, ni, nj = coordinates.shape
+        moved = coordinates.copy()
+        i, j = np.arange(ni)[:, None], np.arange(nj)[None, :]
+        moved[0] += np.where((i + j) % 2 == 0, little, -little)
+        moved[1] += np.where(i % 2 == 0, little, -little)
+        change = norm_of(self.energy_gradient(moved)[2] - gradient)
+        self.refresh(coordinates)
+        return 4 * float(np.finfo(float).eps) * size * change / little if little > 0 and np.isfinite(change) else 0.0
 
     def caution(self, coordinates: Array) -> str:
         """Return what the user must know of the weight, as a sentence with a leading blank, or nothing."""
@@ -98,14 +109,22 @@ class Problem:
 
 
 def _spacing(coordinates: Array) -> float:
-    """Return the mean length of an edge along xi plus that of one along eta."""
-    return sum(float(np.hypot(*np.diff(coordinates, axis=axis)).mean()) for axis in (1, 2))
+    """Return the mean length of an edge along xi plus that of one along eta; infinite where it overflows."""
+    with np.errstate(over="ignore"):
+        return sum(float(np.hypot(*np.diff(coordinates, axis=axis)).mean()) for axis in (1, 2))
 
 
 def norm_of(gradient: Array) -> float:
     """Return the Euclidean norm; infinite, and not a warning, where it overflows."""
     with np.errstate(over="ignore", invalid="ignore"):
         return float(np.linalg.norm(gradient))
+
+
+def converged_message(norm: float, first: float, iteration: int) -> str:
+    """Return why a solver stopped that has done what was asked."""
+    if iteration == 0:
+        return f"the start is stationary already: the gradient's norm is {norm:.2e}."
+    return f"the gradient's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
 
 
 def diverges(coordinates: Array, extent: float) -> bool:
@@ -136,6 +155,13 @@ def make_problem(
     Raises:
         GridgenError: for an unknown functional, bad parameters, a bad weight or a mask of the wrong shape.
     """
+    if not isinstance(grid, Grid):
+        raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
+    if np.abs(grid.planes).max() > _LARGEST:
+        raise GridgenError(
+            f"the grid's coordinates reach {np.abs(grid.planes).max():.3g}, and powers of them overflow: scale them to "
+            f"a size of about 1 (at most {_LARGEST:g} is allowed)"
+        )
     chosen = as_weight(weight)
     kernel_set = kernels(functional(name), chosen.mode if chosen else "plain", parameters, backend)
     problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, interior_only)
@@ -151,7 +177,10 @@ def fixed_mask(grid: Grid, fixed: npt.ArrayLike | None) -> Mask:
     """
     mask = np.zeros(grid.shape, dtype=np.uint8)
     if fixed is not None:
-        given: npt.NDArray[Any] = np.asarray(fixed)
+        try:
+            given: npt.NDArray[Any] = np.asarray(fixed)
+        except ValueError as error:
+            raise GridgenError(f"fixed must be a mask of the grid's shape {grid.shape}; came {error}") from error
         if given.shape != grid.shape or given.dtype.kind not in "biu":
             raise GridgenError(
                 f"fixed must be a mask of the grid's shape {grid.shape}, true at nodes that do not move; "
@@ -162,24 +191,40 @@ def fixed_mask(grid: Grid, fixed: npt.ArrayLike | None) -> Mask:
     return mask
 
 
-def check_controls(tolerance: float, max_iterations: int | None) -> None:
-    """Refuse a tolerance or a number of iterations that means nothing."""
-    if not 0 < tolerance < 1:
+def check_controls(tolerance: float, max_iterations: int | None, callback: Callback | None) -> None:
+    """Refuse a tolerance, a number of iterations or a callback that means nothing."""
+    if not isinstance(tolerance, (int, float, np.number)) or not 0 < tolerance < 1:
         raise GridgenError(
-            f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {tolerance}"
+            f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {tolerance!r}"
         )
+    if max_iterations is not None and not isinstance(max_iterations, (int, np.integer)):
+        raise GridgenError(f"max_iterations must be a whole number; came {max_iterations!r}")
     if max_iterations is not None and max_iterations < 0:
         raise GridgenError(f"max_iterations must not be negative; came {max_iterations}")
+    if callback is not None and not callable(callback):
+        raise GridgenError(f"callback must be a function of one Step; came {callback!r}")
 
 
-def result_of(problem: Problem, coordinates: Array, report: Progress, converged: bool, message: str) -> Result:
-    """Return what a solver found, with the caution that its weight calls for."""
-    energy_now, _ = problem.energy(coordinates)
+def result_of(
+    problem: Problem,
+    coordinates: Array,
+    report: Progress,
+    converged: bool,
+    message: str,
+    *,
+    interrupted: bool = False,
+) -> Result:
+    """Return what a solver found, with what must be said of folded cells and of the weight."""
+    energy, smallest = problem.energy(coordinates)
+    if not smallest > 0 and "folded cells" not in message:
+        folded = int((corner_jacobians(coordinates[0], coordinates[1]) <= 0).any(axis=0).sum())
+        message += f" The grid has {folded} folded cells."
     return Result(
         grid=Grid.from_planes(coordinates[0], coordinates[1]),
         converged=converged,
         message=(message + problem.caution(coordinates)).strip(),
         iterations=max(len(report.history) - 1, 0),
-        energy=energy_now,
+        energy=energy,
         history=tuple(report.history),
+        interrupted=interrupted,
     )

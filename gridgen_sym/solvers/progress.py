@@ -53,7 +53,9 @@ class Progress:
 
     def step(self, iteration: int, energy: float, gradient_norm: float, min_jacobian: float) -> None:
         """Record one step and tell whoever wants to know."""
-        step = Step(iteration, energy, gradient_norm, min_jacobian, self._stage, self._shape)
+        # Untangling runs many minimisations: their steps are counted through.
+        number = len(self.history) if self._stage == "untangle" else iteration
+        step = Step(number, energy, gradient_norm, min_jacobian, self._stage, self._shape)
         self.history.append(step)
         if self._callback is not None:
             self._callback(step)

@@ -39,6 +39,7 @@ class Result:
         iterations: sweeps or Newton steps.
         energy: discrete energy of `grid`, over all corners of all cells (or the paper's set, where that was asked for).
         history: one entry per iteration of the last stage.
+        interrupted: whether Ctrl-C stopped it.
     """
 
     grid: Grid
@@ -47,6 +48,7 @@ class Result:
     iterations: int
     energy: float
     history: tuple[Step, ...]
+    interrupted: bool = False
 
     @property
     def quality(self) -> Quality:

@@ -36,8 +36,8 @@ def unfold(
 ) -> bool:
     """Make every corner's Jacobian positive, where that can be done; changes `coordinates` in place.
 
-    Stops at the first valid grid, or when several rounds have neither unfolded a corner nor lifted the smallest
-    Jacobian. The grid with the fewest folded corners is kept.
+    Stops at the first valid grid, or when several rounds have neither unfolded a cell nor lifted the smallest
+    Jacobian. The grid with the fewest folded cells is kept.
 
     Returns:
         Whether the grid is valid.
@@ -88,9 +88,9 @@ def _regularized(
 
 
 def _folds(coordinates: Array) -> tuple[float, int]:
-    """Return the smallest Jacobian, and the number of corners where it is not positive."""
+    """Return the smallest Jacobian, and the number of cells with a corner where it is not positive."""
     jacobians = corner_jacobians(coordinates[0], coordinates[1])
-    return float(jacobians.min()), int((jacobians <= 0).sum())
+    return float(jacobians.min()), int((jacobians <= 0).any(axis=0).sum())
 
 
 def _first_epsilon(coordinates: Array, least: float) -> float:

@@ -42,10 +42,15 @@ class Weight:
         """Check what can be checked without a grid."""
         if self.mode not in ("frozen", "differentiated"):
             raise GridgenError(f"a weight's mode must be 'frozen' or 'differentiated'; came {self.mode!r}")
-        if isinstance(self.source, np.ndarray) and self.mode != "frozen":
+        if self.per_node and self.mode != "frozen":
             raise GridgenError(
                 "an array of weights has no derivatives: use mode='frozen', or give a formula or a function"
             )
+
+    @property
+    def per_node(self) -> bool:
+        """Whether it is given at the nodes of one grid only."""
+        return not isinstance(self.source, str) and not callable(self.source) and _real(self.source).ndim > 0
 
     def planes(self, coordinates: Array, names: tuple[str, ...]) -> Array:
         """Return the weight at the nodes, and those of its derivatives that `names` lists, each (ni, nj).
@@ -55,37 +60,48 @@ class Weight:
         """
         x, y = coordinates
         value = self._values(x, y)
-        self._check(value, x, y)
+        self._check(value, "weight", x, y)
+        self._check_sign(value, x, y)
         if len(names) == 1:
             return value[np.newaxis]
-        return np.stack([value, *(self._derivative(_DERIVATIVES[name], x, y) for name in names[1:])])
+        planes = [value]
+        for name in names[1:]:
+            planes.append(self._derivative(_DERIVATIVES[name], x, y))
+            self._check(planes[-1], f"weight's derivative {name}", x, y)
+        return np.stack(planes)
 
     def negative_nodes(self, coordinates: Array) -> int:
         """Return the number of nodes at which the weight is negative."""
         return int((self._values(*coordinates) < 0).sum())
 
     def _values(self, x: Array, y: Array) -> Array:
-        if isinstance(self.source, str):
-            names = {"x": x, "y": y, "pi": np.pi}
+        try:
             with np.errstate(all="ignore"):
-                value = evaluate(self.source, names, _NUMPY_FUNCTIONS)
-        elif callable(self.source):
-            value = self.source(x, y)
-        else:
-            value = self.source
-        value = np.asarray(value, dtype=float)
+                if isinstance(self.source, str):
+                    value = _real(evaluate(self.source, {"x": x, "y": y, "pi": np.pi}, _NUMPY_FUNCTIONS))
+                else:
+                    value = _real(self.source(x, y) if callable(self.source) else self.source)
+        except (ArithmeticError, TypeError, ValueError) as error:
+            if isinstance(error, GridgenError):
+                raise
+            raise GridgenError(
+                f"the weight {self.source!r} cannot be evaluated: {error}. It must be a formula in x and y, a function "
+                "of two arrays (x, y), a number, or an array with one value per node"
+            ) from error
         if value.shape not in ((), x.shape):
             raise GridgenError(f"the weight must have one value per node, shape {x.shape}; came {value.shape}")
         return np.ascontiguousarray(np.broadcast_to(value, x.shape))
 
-    def _check(self, value: Array, x: Array, y: Array) -> None:
+    def _check(self, value: Array, what: str, x: Array, y: Array) -> None:
         bad = ~np.isfinite(value)
         if bad.any():
             i, j = (int(k) for k in np.argwhere(bad)[0])
             raise GridgenError(
-                f"the weight must be finite at every node; it is {value[i, j]} at node ({i}, {j}), "
+                f"the {what} must be finite at every node; it is {value[i, j]} at node ({i}, {j}), "
                 f"x = {x[i, j]:.6g}, y = {y[i, j]:.6g}: check its formula there"
             )
+
+    def _check_sign(self, value: Array, x: Array, y: Array) -> None:
         if value.min() < 0 and not self.allow_negative:
             i, j = divmod(int(value.argmin()), value.shape[1])
             raise GridgenError(
@@ -116,6 +132,21 @@ class Weight:
         ) / (4 * h * h)
 
 
+def _real(values: npt.ArrayLike) -> Array:
+    """Return values as an array of real numbers.
+
+    Raises:
+        GridgenError: for complex numbers, text or ragged lists.
+    """
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "biuf":
+            raise TypeError(f"numbers of type {array.dtype} came")
+        return array.astype(float)
+    except (TypeError, ValueError) as error:
+        raise GridgenError(f"a weight must be real numbers, one or one per node: {error}") from error
+
+
 def as_weight(weight: Weight | Source | None) -> Weight | None:
     """Return a weight given in any form as a `Weight`; a bare source is frozen, as in the paper."""
     return weight if weight is None or isinstance(weight, Weight) else Weight(weight)
@@ -124,7 +155,8 @@ def as_weight(weight: Weight | Source | None) -> Weight | None:
 def _symbolic_derivative(formula: str, along: str, x: Array, y: Array) -> Array:
     """Differentiate a formula exactly; loads SymPy."""
     function = _lambdified(formula, along)
-    return np.ascontiguousarray(np.broadcast_to(function(x, y), x.shape)).astype(float)
+    with np.errstate(all="ignore"):
+        return np.ascontiguousarray(np.broadcast_to(function(x, y), x.shape)).astype(float)
 
 
 _compiled: dict[tuple[str, str], Callable[[Array, Array], npt.ArrayLike]] = {}

@@ -71,10 +71,10 @@ def determinant(matrix: sympy.Matrix, *, rotates: bool) -> Expr:
         rotates: whether the density is invariant under rotation, so that the frame with y_xi = 0 stands for all.
     """
     if not rotates or _is_large(matrix) or matrix.has(epsilon) or without_functions(matrix)[0] != matrix:
-        return matrix.det()
+        return matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
     framed = matrix.subs(METRIC).subs({x_xi: _p, x_eta: _q, y_xi: 0, y_eta: _r}).applyfunc(sympy.cancel)
     value = in_invariants(sympy.factor(framed.det()))
-    return matrix.det() if value is None else value
+    return matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0] if value is None else value
 
 
 def in_invariants(framed: Expr) -> Expr | None:
@@ -162,7 +162,9 @@ def _positive_in(expression: Expr) -> tuple[Symbol, ...]:
 
 
 def _is_large(matrix: sympy.Matrix) -> bool:
-    return bool(sympy.count_ops(matrix) > _PROOF_LIMIT)
+    """Return whether algebra would take minutes: too many operations, or roots, which stand-ins multiply."""
+    roots = any(not power.exp.is_Integer for power in matrix.atoms(sympy.Pow))
+    return roots or bool(sympy.count_ops(matrix) > _PROOF_LIMIT)
 
 
 def _charts(matrix: sympy.Matrix, *, turns: bool) -> list[Expr] | None:

@@ -56,7 +56,6 @@ def test_coordinates_of_any_shape_make_a_grid_or_an_error(shape):
 
 
 @each_function
-@pytest.mark.xfail(reason="a grid is taken on trust", raises=AttributeError)
 @pytest.mark.parametrize(
     "grid", [gg.domain("square", 5, 5).xy, None, "swan", 3], ids=["array", "none", "text", "number"]
 )
@@ -94,7 +93,7 @@ def test_an_unknown_functional_is_named(solve, name):
         3,
         b"winslow",
         1.5,
-        pytest.param(["winslow"], marks=pytest.mark.xfail(reason="not hashable", raises=TypeError)),
+        ["winslow"],
     ],
     ids=repr,
 )
@@ -143,7 +142,6 @@ def test_an_unknown_parameter_is_named(solve, parameter, value):
 
 
 @pytest.mark.parametrize("solve", [gg.optimize, gg.solve_euler_lagrange, gg.energy, gg.gradient, gg.hessian])
-@pytest.mark.xfail(reason="the error of float() or dict() comes through", raises=(TypeError, ValueError))
 @pytest.mark.parametrize("parameters", [{"k_A": "a"}, {"k_A": None}, 5, [1]], ids=repr)
 def test_parameters_that_are_no_numbers_are_refused(solve, parameters):
     with pytest.raises(gg.GridgenError, match="parameter"):
@@ -173,7 +171,6 @@ def test_a_negative_number_of_iterations_is_refused(solve, limit):
 
 
 @each_solver
-@pytest.mark.xfail(reason="the type is not checked", raises=TypeError)
 @pytest.mark.parametrize(
     "options",
     [
@@ -191,22 +188,19 @@ def test_controls_of_another_type_are_refused(solve, options):
         solve(mild_grid(), "winslow", **options)
 
 
-UNCHECKED = pytest.mark.xfail(reason="only a number that is not positive is refused")
-
-
 @pytest.mark.parametrize(
     "spacing",
     [
         (0, 1),
         (1, -1),
         (0.0, 0.0),
-        pytest.param((np.nan, 1), marks=UNCHECKED),
-        pytest.param((1, np.inf), marks=UNCHECKED),
-        pytest.param((1,), marks=UNCHECKED),
-        pytest.param((1, 2, 3), marks=UNCHECKED),
-        pytest.param(3, marks=UNCHECKED),
-        pytest.param("ab", marks=UNCHECKED),
-        pytest.param(None, marks=UNCHECKED),
+        (np.nan, 1),
+        (1, np.inf),
+        (1,),
+        (1, 2, 3),
+        3,
+        "ab",
+        None,
     ],
     ids=repr,
 )
@@ -244,7 +238,6 @@ def test_a_mask_of_another_type_is_refused(solve, kind):
 
 
 @each_of_all
-@pytest.mark.xfail(reason="NumPy's error comes through", raises=ValueError)
 def test_a_ragged_mask_is_refused(solve):
     with pytest.raises(gg.GridgenError, match="fixed"):
         solve(mild_grid(), "winslow", fixed=[[1], [1, 2]])
@@ -253,7 +246,7 @@ def test_a_ragged_mask_is_refused(solve):
 # ---- grids at the edge of what numbers can hold ----
 
 
-@pytest.mark.xfail(reason="overflow comes through as NumPy's warning, or as OverflowError")
+# Not strict: where the first overflow happens depends on the functional and on the solver.
 @pytest.mark.parametrize("name", ["length", "winslow", "liao"])
 @each_solver
 def test_a_huge_grid_is_solved_or_refused(solve, name):

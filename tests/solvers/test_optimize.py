@@ -174,7 +174,6 @@ def test_the_papers_set_of_corners_can_be_minimised(name):
     assert_consistent(result, name, interior_only=True)
 
 
-@pytest.mark.xfail(reason="a sweep takes corners out of the sum for folded, and nodes at the boundary stay")
 @pytest.mark.parametrize("name", ["length", "knupp", "winslow"])
 def test_both_methods_agree_on_the_papers_set_of_corners(name):
     newton, local = (gg.optimize(mild_grid(), name, m, interior_only=True, tolerance=1e-9) for m in METHODS)
@@ -204,7 +203,7 @@ def test_a_minimum_beyond_the_valid_grids_is_not_returned(domain, method):
 
 @pytest.mark.parametrize(
     "method",
-    [pytest.param("newton", marks=pytest.mark.xfail(reason="only the corners of the sum are guarded")), "local"],
+    ["newton", "local"],
 )
 def test_corners_outside_of_the_papers_set_are_kept_valid_too(method):
     """Nothing in the paper's sum holds the corners at the boundary, so that keep_valid has to."""
@@ -230,7 +229,7 @@ def test_the_folded_minimum_is_returned_where_that_is_asked_for(domain):
     "method",
     [
         "newton",
-        pytest.param("local", marks=pytest.mark.xfail(reason="sweeps guard each corner of a folded start, and jam")),
+        "local",
     ],
 )
 def test_both_methods_do_the_same_with_a_folded_start(method):
@@ -289,12 +288,7 @@ def test_a_number_of_iterations_is_kept(method):
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=pytest.mark.xfail(reason="round-off is taken for zero where the energy is small"))
-        if name in ("orthogonality", "liao")
-        else name
-        for name in FUNCTIONALS
-    ],
+    FUNCTIONALS,
 )
 @each_method
 def test_a_stationary_start_converges_at_once(name, method):
@@ -305,12 +299,7 @@ def test_a_stationary_start_converges_at_once(name, method):
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=pytest.mark.xfail(reason="round-off of the gradient is taken for smaller than it is"))
-        if name == "liao"
-        else name
-        for name in UNIQUE
-    ],
+    UNIQUE,
 )
 @each_method
 def test_the_minimum_as_a_start_converges_at_once(name, method):

@@ -68,6 +68,12 @@ def test_its_barrier_untangles(walled):
     assert result.quality.valid
 
 
+def test_its_parameter_is_there_while_it_untangles(walled):
+    start = gg.domain("swan", 13, 13)
+    one, other = (gg.untangle(start, "walled", parameters={"k": k}, backend="numpy").grid for k in (0.0, 50.0))
+    assert farthest(one, other) > 1e-4
+
+
 def test_its_derivatives_are_differences(walled):
     grid = mild_grid(5, 6)
     options = {"parameters": {"k": 2.0}}
