@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from ..runtime import Array, Mask
+from .sparse import assemble_hessian, assemble_jacobian, to_field, to_vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,10 +31,10 @@ class Solution:
 
 
 class LinearSolver(Protocol):
-    """Solves with the Hessian over the free nodes, given as its stored half (19, ni, nj)."""
+    """Solves with a stencil over the free nodes, given by its planes: of a Hessian, or of a Jacobian."""
 
     def set_operator(self, planes: Array) -> bool:
-        """Take a Hessian, which may be changed in place; return whether it can be solved with."""
+        """Take a stencil, which may be changed in place; return whether it can be solved with."""
         ...
 
     def solve(self, right: Array, tolerance: float) -> Solution:
@@ -43,18 +45,16 @@ class LinearSolver(Protocol):
 class DirectSolver:
     """SciPy's sparse LU factorisation: for the NumPy backend, where nothing is compiled."""
 
-    def __init__(self, fixed: Mask) -> None:
-        """Keep the mask of fixed nodes."""
-        self._fixed = fixed
+    def __init__(self, fixed: Mask, assemble: Callable[[Array, Mask], Any]) -> None:
+        """Keep the mask of fixed nodes, and what makes a sparse matrix of planes."""
+        self._fixed, self._assemble = fixed, assemble
         self._factors: Any = None
 
     def set_operator(self, planes: Array) -> bool:
         """Factorise; a singular matrix cannot be solved with."""
         from scipy.sparse.linalg import splu
 
-        from .sparse import assemble_hessian
-
-        matrix = assemble_hessian(planes, self._fixed)
+        matrix = self._assemble(planes, self._fixed)
         if not np.isfinite(matrix.data).all():
             return False
         try:
@@ -65,18 +65,25 @@ class DirectSolver:
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve; the curvature along the solution tells whether the operator is positive there."""
-        from .sparse import to_field, to_vector
-
         vector = to_vector(right, self._fixed)
         solution = self._factors.solve(vector)
         positive = bool(np.isfinite(solution).all() and solution @ vector > 0)
         return Solution(to_field(solution, self._fixed), 0, 0.0, positive)
 
 
-def linear_solver(fixed: Mask, backend: str) -> LinearSolver:
-    """Return the solver for a backend: multigrid where C can be compiled, else direct."""
+def hessian_solver(fixed: Mask, backend: str) -> LinearSolver:
+    """Return the solver for Hessians (19 planes): multigrid where C can be compiled, else direct."""
     if backend == "c":
         from .multigrid import Multigrid
 
         return Multigrid(fixed)
-    return DirectSolver(fixed)
+    return DirectSolver(fixed, assemble_hessian)
+
+
+def jacobian_solver(fixed: Mask, backend: str) -> LinearSolver:
+    """Return the solver for Jacobians of the Euler-Lagrange equations (36 planes), likewise."""
+    if backend == "c":
+        from .multigrid import GeneralMultigrid
+
+        return GeneralMultigrid(fixed)
+    return DirectSolver(fixed, assemble_jacobian)

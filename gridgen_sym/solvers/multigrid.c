@@ -1,9 +1,12 @@
-/* Conjugate gradients preconditioned by one multigrid V-cycle, for symmetric 9-point stencils of 2x2 blocks.
+/* One multigrid V-cycle for 9-point stencils of 2x2 blocks, and conjugate gradients preconditioned by it.
  *
- * Nothing here knows a functional: the stencil comes from a generated Hessian kernel, as the 19 planes of its stored
- * half: the block of node (i, j) with itself (xx, xy, yy), then those with (i+1, j), (i, j+1), (i+1, j+1), (i+1, j-1)
- * (xx, xy, yx, yy each). The operator of the conjugate gradients is in double precision, the preconditioner in single.
- * Coarse operators are Galerkin's, with bilinear interpolation, one direction at a time. Nodes on the edge are fixed.
+ * Nothing here knows a functional: the stencil comes from a generated kernel. Compiled with GENERAL = 0 it is the
+ * symmetric one of a Hessian, of which 19 planes are stored: the block of node (i, j) with itself (xx, xy, yy), then
+ * those with (i+1, j), (i, j+1), (i+1, j+1), (i+1, j-1) (xx, xy, yx, yy each). With GENERAL = 1 it is that of the
+ * Euler-Lagrange equations: nine blocks in the order (i-1, j-1), (i-1, j), ..., (i+1, j+1) (xx, xy, yx, yy each).
+ *
+ * The operator is in double precision, the cycle in single. Coarse operators are Galerkin's, with bilinear
+ * interpolation, one direction at a time. Nodes on the edge are fixed.
  */
 #include <math.h>
 #include <stdint.h>
@@ -27,8 +30,8 @@ enum { COARSEST_SWEEPS = 8, CHUNK = 128 };
 /* One level: vectors have two planes, x and y. */
 typedef struct {
   int64_t ni, nj, threads;
-  float *operator; /* 19 planes */
-  float *inverse;  /* 3 planes: inverse of the diagonal blocks, xx, xy, yy */
+  float *operator; /* 19 or 36 planes */
+  float *inverse;  /* 4 planes: inverse of the diagonal blocks */
   float *right, *solution, *residual;
   const uint8_t *fixed;
 } Level;
@@ -41,6 +44,82 @@ typedef struct {
 
 /* ---- coarse operators ---- */
 
+#if GENERAL
+/* Galerkin coarsening along i: coarse row I sits on fine row p, and a fine row between two coarse ones is the mean of
+ * them. With M, U, D a row's couplings with itself, the next and the previous one, o the row between,
+ * A_II = M_p + (U_p + D_o)/2 + M_o/4 + the same below, A_I,I+1 = (U_p + U_o)/2 + M_o/4, A_I,I-1 = (D_p + D_o)/2 + M_o/4.
+ */
+EXPORT void coarsen_rows(int64_t fine_ni, int64_t nj, const float *restrict fine, int64_t coarse_ni, float *restrict coarse,
+                         int64_t threads) {
+  const int64_t fp = fine_ni * nj, cp = coarse_ni * nj;
+#pragma omp parallel for schedule(static) num_threads((int)threads)
+  for (int64_t row = 0; row < coarse_ni; ++row) {
+    const int64_t p = row < coarse_ni - 1 ? 2 * row : fine_ni - 1;
+    const int64_t next = row + 1 < coarse_ni - 1 ? 2 * (row + 1) : fine_ni - 1;
+    const int above = row + 1 < coarse_ni && next - p == 2, below = row > 0 && p - 2 * (row - 1) == 2;
+    for (int part = 0; part < 12; ++part) {
+      const float *down = fine + part * fp + p * nj, *middle = down + 12 * fp, *up = down + 24 * fp;
+      float *to = coarse + part * cp + row * nj;
+      for (int64_t j = 0; j < nj; ++j) {
+        float self = middle[j], forth = up[j], back = down[j];
+        if (above) {
+          self += 0.5f * (up[j] + down[nj + j]) + 0.25f * middle[nj + j];
+          forth = 0.5f * (forth + up[nj + j]) + 0.25f * middle[nj + j];
+        }
+        if (below) {
+          self += 0.5f * (down[j] + up[j - nj]) + 0.25f * middle[j - nj];
+          back = 0.5f * (back + down[j - nj]) + 0.25f * middle[j - nj];
+        }
+        to[j] = back, to[12 * cp + j] = self, to[24 * cp + j] = forth;
+      }
+    }
+  }
+}
+
+/* The same along j: coarse column J sits on fine column 2 J, the last one on the last. */
+EXPORT void coarsen_columns(int64_t ni, int64_t fine_nj, const float *restrict fine, int64_t coarse_nj,
+                            float *restrict coarse, int64_t threads) {
+  const int64_t fp = ni * fine_nj, cp = ni * coarse_nj;
+#pragma omp parallel for schedule(static) num_threads((int)threads)
+  for (int64_t i = 0; i < ni; ++i)
+    for (int row = 0; row < 3; ++row)
+      for (int e = 0; e < 4; ++e) {
+        const float *left = fine + (12 * row + e) * fp + i * fine_nj, *middle = left + 4 * fp, *right = left + 8 * fp;
+        float *to = coarse + (12 * row + e) * cp + i * coarse_nj;
+        for (int64_t column = 0; column < coarse_nj; ++column) {
+          const int64_t q = column < coarse_nj - 1 ? 2 * column : fine_nj - 1;
+          const int64_t next = column + 1 < coarse_nj - 1 ? 2 * (column + 1) : fine_nj - 1;
+          const int above = column + 1 < coarse_nj && next - q == 2, below = column > 0 && q - 2 * (column - 1) == 2;
+          float self = middle[q], forth = right[q], back = left[q];
+          if (above) {
+            self += 0.5f * (right[q] + left[q + 1]) + 0.25f * middle[q + 1];
+            forth = 0.5f * (forth + right[q + 1]) + 0.25f * middle[q + 1];
+          }
+          if (below) {
+            self += 0.5f * (left[q] + right[q - 1]) + 0.25f * middle[q - 1];
+            back = 0.5f * (back + left[q - 1]) + 0.25f * middle[q - 1];
+          }
+          to[column] = back, to[4 * cp + column] = self, to[8 * cp + column] = forth;
+        }
+      }
+}
+
+/* Cut a stencil's couplings with fixed nodes, whose own block becomes the identity. */
+EXPORT void decouple(int64_t ni, int64_t nj, double *planes, const uint8_t *fixed) {
+  const int64_t plane = ni * nj;
+  for (int64_t i = 0; i < ni; ++i)
+    for (int64_t j = 0; j < nj; ++j) {
+      const int64_t n = i * nj + j;
+      for (int k = 0; k < 9; ++k) {
+        const int64_t ki = i + k / 3 - 1, kj = j + k % 3 - 1;
+        const int outside = ki < 0 || ki >= ni || kj < 0 || kj >= nj;
+        if (fixed[n] || outside || fixed[ki * nj + kj])
+          for (int e = 0; e < 4; ++e) planes[(4 * k + e) * plane + n] = k == 4 && (e == 0 || e == 3) ? 1.0 : 0.0;
+      }
+    }
+}
+
+#else
 /* Transposed entry of a block stored as xx, xy, yx, yy. */
 static const int transposed[4] = {0, 2, 1, 3};
 
@@ -130,7 +209,7 @@ EXPORT void coarsen_columns(int64_t ni, int64_t fine_nj, const float *restrict f
     }
 }
 
-/* Cut a stencil's couplings with fixed nodes, whose own block becomes the identity; returns nothing. */
+/* Cut a stencil's couplings with fixed nodes, whose own block becomes the identity. */
 EXPORT void decouple(int64_t ni, int64_t nj, double *planes, const uint8_t *fixed) {
   const int64_t plane = ni * nj;
   static const int di[4] = {1, 0, 1, 1}, dj[4] = {0, 1, 1, -1};
@@ -147,32 +226,56 @@ EXPORT void decouple(int64_t ni, int64_t nj, double *planes, const uint8_t *fixe
     }
 }
 
+#endif
+
 /* Copy planes to single precision, times a factor. */
 EXPORT void to_single(int64_t count, const double *restrict from, float *restrict to, double factor, int64_t threads) {
 #pragma omp parallel for simd schedule(static) num_threads((int)threads)
   for (int64_t n = 0; n < count; ++n) to[n] = (float)(factor * from[n]);
 }
 
-/* Invert the diagonal blocks; returns how many are not positive definite. Fixed nodes get zero. */
+/* The diagonal block of node n. */
+#if GENERAL
+#define BLOCK(a, entry) (a)[(16 + (entry)) * plane + n]
+#else
+#define BLOCK(a, entry) (a)[((entry) == 3 ? 2 : (entry) == 0 ? 0 : 1) * plane + n]
+#endif
+
+/* Invert the diagonal blocks; returns how many cannot be, or in a symmetric stencil are not positive definite. */
 EXPORT int64_t invert_diagonal(Level *level) {
   const int64_t plane = level->ni * level->nj;
   const float *a = level->operator;
-  int64_t indefinite = 0;
+  int64_t unusable = 0;
   for (int64_t n = 0; n < plane; ++n) {
-    const float xx = a[n], xy = a[plane + n], yy = a[2 * plane + n], determinant = xx * yy - xy * xy;
+    const float xx = BLOCK(a, 0), xy = BLOCK(a, 1), yx = BLOCK(a, 2), yy = BLOCK(a, 3), determinant = xx * yy - xy * yx;
+#if GENERAL
+    const int usable = fabsf(determinant) > 1e-7f * (fabsf(xx * yy) + fabsf(xy * yx));
+#else
     const int usable = xx > 0.0f && determinant > 1e-7f * xx * yy;
-    indefinite += !usable && !level->fixed[n];
+#endif
+    unusable += !usable && !level->fixed[n];
     const float scale = usable && !level->fixed[n] ? 1.0f / determinant : 0.0f;
-    level->inverse[n] = scale * yy;
-    level->inverse[plane + n] = -scale * xy;
-    level->inverse[2 * plane + n] = scale * xx;
+    level->inverse[n] = scale * yy, level->inverse[plane + n] = -scale * xy;
+    level->inverse[2 * plane + n] = -scale * yx, level->inverse[3 * plane + n] = scale * xx;
   }
-  return indefinite;
+  return unusable;
 }
 
 /* ---- stencil times vector ---- */
 
 /* Sum of the couplings of node n with its 8 neighbours. */
+#if GENERAL
+#define NEIGHBOURS(REAL, a, x, y, sx, sy)                                                                       \
+  REAL sx = 0, sy = 0;                                                                                          \
+  for (int k = 0; k < 9; ++k) {                                                                                 \
+    const int64_t to = n + (k / 3 - 1) * nj + k % 3 - 1;                                                        \
+    const REAL *restrict b = (a) + 4 * k * plane;                                                               \
+    if (k != 4) {                                                                                               \
+      sx += b[n] * (x)[to] + b[plane + n] * (y)[to];                                                            \
+      sy += b[2 * plane + n] * (x)[to] + b[3 * plane + n] * (y)[to];                                            \
+    }                                                                                                           \
+  }
+#else
 #define NEIGHBOURS(REAL, a, x, y, sx, sy)                                                                       \
   REAL sx = 0, sy = 0;                                                                                          \
   {                                                                                                             \
@@ -185,6 +288,7 @@ EXPORT int64_t invert_diagonal(Level *level) {
             b[3 * plane + from] * (y)[from];                                                                    \
     }                                                                                                           \
   }
+#endif
 
 /* result = A vector at the inner nodes, and per row the product of the two. */
 static void multiply(const Level *level, const double *restrict a, const double *restrict v, double *restrict result,
@@ -197,8 +301,8 @@ static void multiply(const Level *level, const double *restrict a, const double 
     for (int64_t j = 1; j < nj - 1; ++j) {
       const int64_t n = i * nj + j;
       NEIGHBOURS(double, a, x, y, sx, sy)
-      const double rx = sx + a[n] * x[n] + a[plane + n] * y[n];
-      const double ry = sy + a[plane + n] * x[n] + a[2 * plane + n] * y[n];
+      const double rx = sx + BLOCK(a, 0) * x[n] + BLOCK(a, 1) * y[n];
+      const double ry = sy + BLOCK(a, 2) * x[n] + BLOCK(a, 3) * y[n];
       result[n] = rx, result[plane + n] = ry;
       product += x[n] * rx + y[n] * ry;
     }
@@ -218,7 +322,7 @@ APART void relaxed_values(const float *restrict a, const float *restrict inverse
     NEIGHBOURS(float, a, x, y, sx, sy)
     const float rx = right[n] - sx, ry = right[plane + n] - sy;
     to_x[k] = inverse[n] * rx + inverse[plane + n] * ry;
-    to_y[k] = inverse[plane + n] * rx + inverse[2 * plane + n] * ry;
+    to_y[k] = inverse[2 * plane + n] * rx + inverse[3 * plane + n] * ry;
   }
 }
 
@@ -256,8 +360,8 @@ static void compute_residual(const Level *level) {
     for (int64_t j = 1; j < nj - 1; ++j) {
       const int64_t n = i * nj + j;
       NEIGHBOURS(float, a, x, y, sx, sy)
-      residual[n] = right[n] - sx - a[n] * x[n] - a[plane + n] * y[n];
-      residual[plane + n] = right[plane + n] - sy - a[plane + n] * x[n] - a[2 * plane + n] * y[n];
+      residual[n] = right[n] - sx - BLOCK(a, 0) * x[n] - BLOCK(a, 1) * y[n];
+      residual[plane + n] = right[plane + n] - sy - BLOCK(a, 2) * x[n] - BLOCK(a, 3) * y[n];
     }
   }
 }
@@ -406,4 +510,21 @@ EXPORT int64_t conjugate_gradients(Level *levels, int64_t count, const double *o
   }
   *reduction = first > 0.0 ? sqrt(norm / first) : 0.0;
   return iteration;
+}
+
+/* ---- for a Krylov method outside ---- */
+
+/* result = A vector; row has ni numbers. */
+EXPORT void apply_operator(const Level *level, const double *operator, const double *vector, double *result, double *row) {
+  multiply(level, operator, vector, result, row);
+}
+
+/* result = V-cycle(vector); row has ni numbers. */
+EXPORT void apply_cycle(Level *levels, int64_t count, const double *vector, double *result, double *row) {
+  const int64_t plane = levels->ni * levels->nj;
+  double norm = 0.0;
+  for (int64_t n = 0; n < 2 * plane; ++n) norm += vector[n] * vector[n];
+  const double scale = norm > 0.0 ? 1.0 / sqrt(norm / (double)plane) : 1.0; /* keeps single precision in range */
+  precondition(levels, count, vector, result, scale, row);
+  for (int64_t n = 0; n < 2 * plane; ++n) result[n] /= scale;
 }

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime import Array
-from .linear import LinearSolver, linear_solver
+from .linear import LinearSolver, hessian_solver
 from .problem import Problem, converged_message, diverges, jacobian_floor, norm_of
 from .progress import Progress
 
@@ -60,7 +60,7 @@ def minimize(
     first = min(reference or norm, problem.gradient_scale(coordinates, energy) or norm)
     progress.step(0, energy, norm, smallest)
     floor, round_off = jacobian_floor(smallest), problem.round_off(coordinates, gradient)
-    state = _Newton(problem, solver or linear_solver(problem.fixed, problem.kernels.backend), semidefinite)
+    state = _Newton(problem, solver or hessian_solver(problem.fixed, problem.kernels.backend), semidefinite)
     held_back, extent = 0, float(np.ptp(coordinates))
     for iteration in range(max_iterations + 1):
         if norm <= max(tolerance * first, round_off):

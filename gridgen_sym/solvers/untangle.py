@@ -15,7 +15,7 @@ import numpy as np
 from ..functionals.definition import Functional
 from ..grids import Grid, corner_jacobians, quality
 from ..runtime import Array, kernels
-from .linear import linear_solver
+from .linear import hessian_solver
 from .newton import minimize
 from .problem import Problem
 from .progress import Progress
@@ -46,7 +46,7 @@ def unfold(
     epsilon = _first_epsilon(coordinates, least)
     best, best_key, stalled = coordinates.copy(), (count, -least), 0
     previous = np.inf
-    solver = linear_solver(problem.fixed, problem.kernels.backend)
+    solver = hessian_solver(problem.fixed, problem.kernels.backend)
     for _ in range(max_rounds):
         if least > 0:
             return True

@@ -19,7 +19,7 @@ from gridgen_sym.functionals.metric import DENSITY_NAMES
         ("J^2", r"\*\*"),
         ("q + J", "unknown name 'q'"),
         ("sqrt(-1)*J", "not real"),
-        ("1/(g11 - g11)", "does not depend on the grid"),
+        ("1/(g11 - g11)", "not real and finite"),
         ("log(-J)", "real and finite|not real"),
         ("J +", "cannot be read"),
         ("__import__('os')", "unknown function|not arithmetic"),

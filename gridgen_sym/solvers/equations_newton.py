@@ -1,0 +1,109 @@
+"""Newton's method on the discrete Euler–Lagrange equations.
+
+Where they are elliptic, the linear systems are solved by the backend's solver and a line search keeps the residual's
+norm falling. Where they are not, or where that fails, Levenberg's damping minimises the norm instead.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..grids import corner_jacobians
+from ..runtime import Array
+from .equations import Equations
+from .linear import LinearSolver, jacobian_solver
+from .progress import Progress
+from .sparse import assemble_jacobian, to_field, to_vector
+
+_HALVINGS = 30
+#: Relative residual of the linear solves.
+_FORCING = 1e-3
+#: Levenberg's damping: where it begins and ends, over the mean diagonal of the normal equations.
+_FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
+
+
+def solve_by_newton(
+    equations: Equations, coordinates: Array, report: Progress, tolerance: float, limit: int, keep_valid: bool
+) -> tuple[bool, str]:
+    """Newton's method with a line search on the residual's norm, or Levenberg's damping where not elliptic."""
+    problem, damping = equations.problem, 0.0
+    if problem.kernels.equation_type != "elliptic":
+        damping = _FIRST_DAMPING
+    residual = equations.residual(coordinates)
+    norm = first = float(np.linalg.norm(residual))
+    floor = equations.round_off(coordinates)
+    solver = jacobian_solver(problem.fixed, problem.kernels.backend)
+    for iteration in range(limit + 1):
+        smallest = equations.remember(coordinates, norm)
+        report.step(iteration, float("nan"), norm, smallest)
+        if norm <= max(tolerance * first, floor):
+            return True, f"the residual's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+        if iteration == limit:
+            break
+        guard = 0.1 * smallest if smallest > 0 and (problem.kernels.barrier or keep_valid) else -np.inf
+        step, damping = _reduce(equations, solver, coordinates, residual, damping, guard)
+        if step is None:
+            return (
+                False,
+                f"no step lowers the residual's norm further; it is {norm:.2e}, {norm / first:.1e} of its first.",
+            )
+        coordinates += step
+        problem.refresh(coordinates)
+        residual = equations.residual(coordinates)
+        norm = float(np.linalg.norm(residual))
+    return (
+        False,
+        f"{limit} steps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value.",
+    )
+
+
+def _reduce(
+    equations: Equations,
+    solver: LinearSolver,
+    coordinates: Array,
+    residual: Array,
+    damping: float,
+    guard: float,
+) -> tuple[Array | None, float]:
+    """Return a step that lowers the residual's norm (None if there is none), and the damping for the next one."""
+    norm, fixed = float(np.linalg.norm(residual)), equations.problem.fixed
+    planes = equations.jacobian(coordinates)
+    if damping == 0.0:
+        direction = (
+            solver.solve(-residual, _FORCING).vector if solver.set_operator(planes) else np.full_like(residual, np.nan)
+        )
+        for length in 0.5 ** np.arange(_HALVINGS):
+            if _accepted(equations, coordinates + length * direction, (1 - 1e-4 * length) * norm, guard):
+                return length * direction, 0.0
+        damping = _FIRST_DAMPING
+    matrix = assemble_jacobian(planes, fixed)
+    right = -to_vector(residual, fixed)
+    normal, slope = (matrix.T @ matrix).tocsc(), matrix.T @ right
+    size = normal.diagonal().mean()
+    while damping < _LARGEST_DAMPING:
+        from scipy.sparse import identity
+
+        direction = to_field(_solve(normal + damping * size * identity(slope.size, format="csc"), slope), fixed)
+        if _accepted(equations, coordinates + direction, (1 - 1e-6) * norm, guard):
+            return direction, damping / 5
+        damping *= 4
+    return None, damping
+
+
+def _accepted(equations: Equations, trial: Array, norm: float, guard: float) -> bool:
+    if not np.isfinite(trial).all() or not corner_jacobians(trial[0], trial[1]).min() > guard:
+        return False
+    return bool(np.linalg.norm(equations.residual(trial)) <= norm)
+
+
+def _solve(matrix: Any, right: Array) -> Array:  # noqa: ANN401
+    """Solve a sparse system; a singular one gives NaN, which no step accepts."""
+    from scipy.sparse.linalg import splu
+
+    try:
+        solution: Array = splu(matrix).solve(right)
+    except RuntimeError:
+        return np.full_like(right, np.nan)
+    return solution

@@ -1,0 +1,179 @@
+"""The multigrid below the Newton methods: Galerkin's operators, any shape, and a cost that does not grow."""
+
+import numpy as np
+import pytest
+
+import gridgen_sym as gg
+from gridgen_sym.runtime import find_compiler
+from gridgen_sym.solvers.multigrid import GeneralMultigrid, Multigrid
+from gridgen_sym.solvers.nested import coarse_shapes, resample
+from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.sparse import assemble_hessian, assemble_jacobian, to_vector
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="multigrid is compiled")
+
+SHAPES = [(9, 12), (8, 9), (5, 6), (4, 17), (33, 5)]
+HESSIAN_NEIGHBOURS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
+
+
+def hessian(shape, *, inner_fixed=False):
+    """Planes and mask of a Hessian on a grid of a shape."""
+    fixed = np.zeros(shape, dtype=bool)
+    fixed[2, 2] = inner_fixed
+    problem = make_problem(gg.domain("wavy", *shape), "winslow", fixed=fixed)
+    # The semidefinite one: far from a minimum, as on stretched grids, the full Hessian need not be positive.
+    return problem.hessian(gg.domain("wavy", *shape).planes.copy(), semidefinite=True), problem.fixed
+
+
+def jacobian(shape):
+    problem = make_problem(gg.domain("wavy", *shape), "winslow")
+    return problem.kernels.euler_lagrange_jacobian(gg.domain("wavy", *shape).planes.copy()), problem.fixed
+
+
+def interpolation(count, coarse_count):
+    """Bilinear interpolation along one direction, as a matrix from the coarse nodes to all."""
+    if count == coarse_count:
+        return np.eye(count)
+    coarse = [*range(0, count - 1, 2), count - 1]
+    matrix = np.zeros((count, len(coarse)))
+    matrix[coarse, range(len(coarse))] = 1
+    for node in set(range(count)) - set(coarse):
+        matrix[node, [node // 2, node // 2 + 1]] = 0.5
+    return matrix
+
+
+def dense(planes):
+    """The matrix of a stencil over all nodes."""
+    count, ni, nj = planes.shape
+    matrix = np.zeros((ni, nj, 2, ni, nj, 2))
+    for i, j in np.ndindex(ni, nj):
+        if count == 36:
+            for neighbour in range(9):
+                to = i + neighbour // 3 - 1, j + neighbour % 3 - 1
+                if 0 <= to[0] < ni and 0 <= to[1] < nj:
+                    matrix[i, j, :, *to, :] = planes[4 * neighbour : 4 * neighbour + 4, i, j].reshape(2, 2)
+        else:
+            xx, xy, yy = planes[:3, i, j]
+            matrix[i, j, :, i, j, :] = [[xx, xy], [xy, yy]]
+            for (di, dj), first in HESSIAN_NEIGHBOURS:
+                to = i + di, j + dj
+                if to[0] < ni and 0 <= to[1] < nj:
+                    block = planes[first : first + 4, i, j].reshape(2, 2)
+                    matrix[i, j, :, *to, :], matrix[*to, :, i, j, :] = block, block.T
+    return matrix.reshape(2 * ni * nj, 2 * ni * nj)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=str)
+@pytest.mark.parametrize("kind", ["hessian", "hessian with a fixed node", "jacobian"])
+def test_coarse_operators_are_galerkins(shape, kind):
+    if kind == "jacobian":
+        planes, fixed = jacobian(shape)
+        multigrid = GeneralMultigrid(fixed)
+    else:
+        planes, fixed = hessian(shape, inner_fixed=kind != "hessian" and min(shape) > 4)
+        multigrid = Multigrid(fixed)
+    assert multigrid.set_operator(planes)
+    levels = multigrid._arrays[:2]
+    fine, coarse = (dense(level.operator.astype(float)) for level in levels)
+    along_xi, along_eta = (
+        interpolation(*counts) for counts in zip(*(level.fixed.shape for level in levels), strict=True)
+    )
+    prolongation = np.kron(np.kron(along_xi, along_eta), np.eye(2))
+    expected = prolongation.T @ fine @ prolongation
+    np.testing.assert_allclose(coarse, expected, atol=2e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, (7, 200), (64, 65)], ids=str)
+def test_conjugate_gradients_solve_with_the_hessian(shape):
+    planes, fixed = hessian(shape)
+    matrix = assemble_hessian(planes, fixed)
+    multigrid = Multigrid(fixed)
+    assert multigrid.set_operator(planes)
+    right = np.random.default_rng(0).normal(size=(2, *shape)) * (fixed == 0)
+    solution = multigrid.solve(right, 1e-10)
+    assert solution.positive
+    residual = matrix @ to_vector(solution.vector, fixed) - to_vector(right, fixed)
+    assert np.linalg.norm(residual) <= 1e-9 * np.linalg.norm(right)
+
+
+@pytest.mark.parametrize("shape", [(9, 12), (7, 200), (64, 65)], ids=str)
+def test_bicgstab_solves_with_the_jacobian(shape):
+    planes, fixed = jacobian(shape)
+    matrix = assemble_jacobian(planes, fixed)
+    multigrid = GeneralMultigrid(fixed)
+    assert multigrid.set_operator(planes)
+    right = np.random.default_rng(0).normal(size=(2, *shape)) * (fixed == 0)
+    solution = multigrid.solve(right, 1e-8)
+    residual = matrix @ to_vector(solution.vector, fixed) - to_vector(right, fixed)
+    assert np.linalg.norm(residual) <= 1e-7 * np.linalg.norm(right)
+
+
+def test_an_indefinite_operator_is_told():
+    planes, fixed = hessian((9, 12))
+    # Couplings stronger than the diagonal: positive blocks, and a matrix that is not.
+    planes[3:] *= 4
+    multigrid = Multigrid(fixed)
+    if multigrid.set_operator(planes):
+        assert not multigrid.solve(np.ones((2, 9, 12)) * (fixed == 0), 1e-10).positive
+    planes[0] = -1.0
+    assert not Multigrid(fixed).set_operator(planes)
+
+
+def test_the_number_of_steps_does_not_grow_with_the_grid():
+    """4 times the nodes, and not one Newton step more; conjugate gradients grow slowly."""
+    steps, products = [], []
+    for nodes in (33, 65, 129):
+        result = gg.optimize(gg.domain("wavy", nodes, nodes), "winslow", tolerance=1e-8)
+        assert result.converged
+        steps.append(result.iterations)
+        problem = make_problem(result.grid, "winslow")
+        multigrid = Multigrid(problem.fixed)
+        assert multigrid.set_operator(problem.hessian(result.grid.planes.copy()))
+        right = np.random.default_rng(0).normal(size=(2, nodes, nodes)) * (problem.fixed == 0)
+        products.append(multigrid.solve(right, 1e-6).iterations)
+    assert max(steps) <= min(steps) + 1
+    assert products[2] <= 2.5 * products[0]
+
+
+@pytest.mark.parametrize("shape", [(7, 1000), (150, 9), (50, 77)], ids=str)
+@pytest.mark.parametrize("domain", ["horseshoe", "quarter_annulus", "square"])
+def test_any_shape_is_solved(domain, shape):
+    result = gg.optimize(gg.domain(domain, *shape), "winslow")
+    assert result.converged, result.message
+    assert result.quality.folded_cells == 0
+
+
+def test_nested_shapes_end_with_the_grids_own():
+    assert coarse_shapes((65, 65)) == [(9, 9), (17, 17), (33, 33), (65, 65)]
+    assert coarse_shapes((7, 40))[-1] == (7, 40)
+    assert all(shape[0] == 7 for shape in coarse_shapes((7, 40)))
+
+
+def test_resampling_is_exact_for_cubics():
+    x, y = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 8), indexing="ij")
+    fine = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 15), indexing="ij")
+    field = np.stack([x**3 - x * y**2, y**3 + x])
+    expected = np.stack([fine[0] ** 3 - fine[0] * fine[1] ** 2, fine[1] ** 3 + fine[0]])
+    np.testing.assert_allclose(resample(field, (21, 15), linear=False), expected, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["winslow", "modified_liao"])
+def test_the_equations_are_solved_on_large_grids_too(name):
+    result = gg.solve_euler_lagrange(gg.domain("swan", 97, 97), name)
+    assert result.converged, result.message
+    assert result.iterations <= 10
+    assert result.quality.folded_cells == 0
+
+
+def test_an_interrupt_returns_the_best_grid():
+    start = gg.domain("wavy", 33, 33)
+
+    def interrupt(step):
+        if step.shape == (33, 33) and step.iteration == 2:
+            raise KeyboardInterrupt
+
+    result = gg.optimize(start, "winslow", callback=interrupt)
+    assert result.interrupted
+    assert not result.converged
+    assert result.quality.folded_cells == 0
+    assert result.energy < gg.energy(start, "winslow")
