@@ -53,7 +53,7 @@ def sweep_until_converged(
                 floor=floor,
                 interior_only=problem.interior_only,
             )
-        if diverges(coordinates, extent):
+        if diverges(coordinates - before, extent):
             coordinates[...] = before
             return (
                 False,

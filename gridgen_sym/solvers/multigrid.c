@@ -265,23 +265,23 @@ EXPORT int64_t invert_diagonal(Level *level) {
 
 /* Sum of the couplings of node n with its 8 neighbours. */
 #if GENERAL
-#define NEIGHBOURS(REAL, a, x, y, sx, sy)                                                                       \
+#define NEIGHBOURS(COEFFICIENT, REAL, a, x, y, sx, sy)                                                                       \
   REAL sx = 0, sy = 0;                                                                                          \
   for (int k = 0; k < 9; ++k) {                                                                                 \
     const int64_t to = n + (k / 3 - 1) * nj + k % 3 - 1;                                                        \
-    const REAL *restrict b = (a) + 4 * k * plane;                                                               \
+    const COEFFICIENT *restrict b = (a) + 4 * k * plane;                                                               \
     if (k != 4) {                                                                                               \
       sx += b[n] * (x)[to] + b[plane + n] * (y)[to];                                                            \
       sy += b[2 * plane + n] * (x)[to] + b[3 * plane + n] * (y)[to];                                            \
     }                                                                                                           \
   }
 #else
-#define NEIGHBOURS(REAL, a, x, y, sx, sy)                                                                       \
+#define NEIGHBOURS(COEFFICIENT, REAL, a, x, y, sx, sy)                                                                       \
   REAL sx = 0, sy = 0;                                                                                          \
   {                                                                                                             \
     const int64_t offsets[4] = {nj, 1, nj + 1, nj - 1};                                                         \
     for (int k = 0; k < 4; ++k) {                                                                               \
-      const REAL *restrict b = (a) + (3 + 4 * k) * plane;                                                       \
+      const COEFFICIENT *restrict b = (a) + (3 + 4 * k) * plane;                                                       \
       const int64_t to = n + offsets[k], from = n - offsets[k];                                                 \
       sx += b[n] * (x)[to] + b[plane + n] * (y)[to] + b[from] * (x)[from] + b[2 * plane + from] * (y)[from];    \
       sy += b[2 * plane + n] * (x)[to] + b[3 * plane + n] * (y)[to] + b[plane + from] * (x)[from] +             \
@@ -290,8 +290,16 @@ EXPORT int64_t invert_diagonal(Level *level) {
   }
 #endif
 
+/* The symmetric operator is that of the preconditioner, in single precision: half of the memory to read, and Newton's
+ * method needs no better. The other one keeps double precision. */
+#if GENERAL
+typedef double COEFFICIENT;
+#else
+typedef float COEFFICIENT;
+#endif
+
 /* result = A vector at the inner nodes, and per row the product of the two. */
-static void multiply(const Level *level, const double *restrict a, const double *restrict v, double *restrict result,
+static void multiply(const Level *level, const COEFFICIENT *restrict a, const double *restrict v, double *restrict result,
                      double *restrict row_product) {
   const int64_t nj = level->nj, plane = level->ni * nj;
   const double *restrict x = v, *restrict y = v + plane;
@@ -300,7 +308,7 @@ static void multiply(const Level *level, const double *restrict a, const double 
 #pragma omp simd reduction(+ : product)
     for (int64_t j = 1; j < nj - 1; ++j) {
       const int64_t n = i * nj + j;
-      NEIGHBOURS(double, a, x, y, sx, sy)
+      NEIGHBOURS(COEFFICIENT, double, a, x, y, sx, sy)
       const double rx = sx + BLOCK(a, 0) * x[n] + BLOCK(a, 1) * y[n];
       const double ry = sy + BLOCK(a, 2) * x[n] + BLOCK(a, 3) * y[n];
       result[n] = rx, result[plane + n] = ry;
@@ -319,7 +327,7 @@ APART void relaxed_values(const float *restrict a, const float *restrict inverse
 #pragma omp simd
   for (int64_t k = 0; k < count; ++k) {
     const int64_t n = begin + k;
-    NEIGHBOURS(float, a, x, y, sx, sy)
+    NEIGHBOURS(float, float, a, x, y, sx, sy)
     const float rx = right[n] - sx, ry = right[plane + n] - sy;
     to_x[k] = inverse[n] * rx + inverse[plane + n] * ry;
     to_y[k] = inverse[2 * plane + n] * rx + inverse[3 * plane + n] * ry;
@@ -359,7 +367,7 @@ static void compute_residual(const Level *level) {
 #pragma omp simd
     for (int64_t j = 1; j < nj - 1; ++j) {
       const int64_t n = i * nj + j;
-      NEIGHBOURS(float, a, x, y, sx, sy)
+      NEIGHBOURS(float, float, a, x, y, sx, sy)
       residual[n] = right[n] - sx - BLOCK(a, 0) * x[n] - BLOCK(a, 1) * y[n];
       residual[plane + n] = right[plane + n] - sy - BLOCK(a, 2) * x[n] - BLOCK(a, 3) * y[n];
     }
@@ -462,11 +470,12 @@ static double precondition(Level *levels, int64_t count, const double *restrict 
   return sum_rows(level, row);
 }
 
-/* Solve A solution = right to a relative residual; vectors are zero at fixed nodes.
+#if !GENERAL
+/* Solve A solution = right to a relative residual, A being the finest level's; vectors are zero at fixed nodes.
  * work has 4 vectors of 2 planes, then ni numbers. Returns the number of iterations, negative if a direction of
  * negative curvature was met (the solution is then the iterate before it, or the right-hand side at the first). */
-EXPORT int64_t conjugate_gradients(Level *levels, int64_t count, const double *operator, const double *right,
-                                   double *solution, double *work, double tolerance, int64_t limit, double *reduction) {
+EXPORT int64_t conjugate_gradients(Level *levels, int64_t count, const double *right, double *solution, double *work,
+                                   double tolerance, int64_t limit, double *reduction) {
   const Level *level = levels;
   const int64_t nj = level->nj, plane = level->ni * nj;
   double *r = work, *z = work + 2 * plane, *p = work + 4 * plane, *q = work + 6 * plane, *row = work + 8 * plane;
@@ -482,7 +491,7 @@ EXPORT int64_t conjugate_gradients(Level *levels, int64_t count, const double *o
     ROWS(level, 1, 1)
       for (int c = 0; c < 2; ++c)
         for (int64_t n = c * plane + i * nj + 1; n < c * plane + i * nj + nj - 1; ++n) p[n] = z[n] + beta * p[n];
-    multiply(level, operator, p, q, row);
+    multiply(level, level->operator, p, q, row);
     const double curvature = sum_rows(level, row);
     ++iteration;
     if (!(curvature > 0.0) || !(product > 0.0)) {
@@ -512,6 +521,8 @@ EXPORT int64_t conjugate_gradients(Level *levels, int64_t count, const double *o
   return iteration;
 }
 
+#else
+
 /* ---- for a Krylov method outside ---- */
 
 /* result = A vector; row has ni numbers. */
@@ -528,3 +539,4 @@ EXPORT void apply_cycle(Level *levels, int64_t count, const double *vector, doub
   precondition(levels, count, vector, result, scale, row);
   for (int64_t n = 0; n < 2 * plane; ++n) result[n] /= scale;
 }
+#endif

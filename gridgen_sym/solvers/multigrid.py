@@ -91,6 +91,7 @@ class _Hierarchy:
         self._arrays: list[_Arrays] = []
         self._levels: Any = None
         self._operator: Array | None = None
+        self._size = 1.0
 
     def set_operator(self, planes: Array) -> bool:
         """Take the planes of a stencil, in which couplings with fixed nodes are cut in place.
@@ -101,7 +102,7 @@ class _Hierarchy:
         """
         self._library.decouple(*self._fixed.shape, planes.ctypes.data, self._fixed.ctypes.data)
         self._operator = planes
-        size = float(np.abs(planes[self._layout.centre]).mean())
+        self._size = size = float(np.abs(planes[self._layout.centre]).mean())
         if not 0 < size < np.inf:
             return False
         if not self._arrays:
@@ -161,12 +162,10 @@ class Multigrid(_Hierarchy):
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve for a right-hand side (2, ni, nj) that is zero at fixed nodes, to a relative residual."""
-        assert self._operator is not None
         solution, reduction = np.empty_like(right), ctypes.c_double(0.0)
         iterations = self._library.conjugate_gradients(
             self._levels,
             len(self._levels),
-            self._operator.ctypes.data,
             np.ascontiguousarray(right).ctypes.data,
             solution.ctypes.data,
             self._work.ctypes.data,
@@ -174,6 +173,7 @@ class Multigrid(_Hierarchy):
             _MOST_ITERATIONS,
             ctypes.byref(reduction),
         )
+        solution /= self._size
         return Solution(solution, abs(iterations), reduction.value, iterations > 0)
 
 
@@ -238,16 +238,18 @@ def _library(general: bool) -> ctypes.CDLL:
     source = f"#define GENERAL {int(general)}\n" + Path(__file__).with_suffix(".c").read_text(encoding="utf-8")
     library = ctypes.CDLL(str(compile_library("multigrid_general" if general else "multigrid", source)))
     pointer, integer, number = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
-    for name, kinds in {
+    signatures = {
         "decouple": [integer, integer, pointer, pointer],
         "to_single": [integer, pointer, pointer, number, integer],
         "coarsen_rows": [integer, integer, pointer, integer, pointer, integer],
         "coarsen_columns": [integer, integer, pointer, integer, pointer, integer],
         "invert_diagonal": [pointer],
-        "apply_operator": [pointer] * 5,
-        "apply_cycle": [pointer, integer, pointer, pointer, pointer],
-        "conjugate_gradients": [pointer, integer, pointer, pointer, pointer, pointer, number, integer, pointer],
-    }.items():
+    }
+    if general:
+        signatures |= {"apply_operator": [pointer] * 5, "apply_cycle": [pointer, integer, pointer, pointer, pointer]}
+    else:
+        signatures["conjugate_gradients"] = [pointer, integer, pointer, pointer, pointer, number, integer, pointer]
+    for name, kinds in signatures.items():
         function = getattr(library, name)
         function.argtypes = kinds
         function.restype = integer if name in ("invert_diagonal", "conjugate_gradients") else None

@@ -73,12 +73,12 @@ def minimize(
         step = state.downhill(search)
         if step is None:
             return False, _stuck("no step downhill was found", norm, first)
-        if diverges(coordinates + step, extent):
+        if diverges(step, extent):
             return False, _stuck("the steps diverge, which happens where the energy has no lower bound", norm, first)
         coordinates += step
         before = energy, norm
         problem.refresh(coordinates)
-        energy, smallest, gradient = problem.energy_gradient(coordinates)
+        energy, smallest, gradient = problem.energy_gradient(coordinates, out=gradient)
         norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
         state.learn(search.length, norm / before[1], max(tolerance * first, round_off) / (norm or 1.0))
@@ -170,11 +170,14 @@ class _Search:
 
     def along(self, direction: Array) -> bool:
         """Find the longest step 1, 1/2, ... that lowers the energy enough and folds nothing."""
-        slope = float((self.gradient * direction).sum())
+        slope = float(np.vdot(self.gradient, direction))
         round_off = 1e2 * np.finfo(float).eps * abs(self.energy)
         self.length, self.folds = 1.0, False
+        place = np.empty_like(direction)
         for _ in range(_HALVINGS):
-            trial, smallest = self.problem.energy(self.coordinates + self.length * direction)
+            np.multiply(direction, self.length, out=place)
+            place += self.coordinates
+            trial, smallest = self.problem.energy(place)
             lower = trial <= self.energy + _SUFFICIENT * self.length * slope + round_off
             if lower and smallest > self.lowest:
                 return True

@@ -54,10 +54,10 @@ class Problem:
         energy, smallest = self.kernels.energy(coordinates, self.weights(coordinates), interior_only=self.interior_only)
         return energy, smallest
 
-    def energy_gradient(self, coordinates: Array) -> tuple[float, float, Array]:
-        """Return the energy, the smallest Jacobian and the gradient (2, ni, nj), zero at fixed nodes."""
+    def energy_gradient(self, coordinates: Array, out: Array | None = None) -> tuple[float, float, Array]:
+        """Return the energy, the smallest Jacobian and the gradient (2, ni, nj; in `out`), zero at fixed nodes."""
         energy, smallest, gradient = self.kernels.energy_gradient(
-            coordinates, self.weights(coordinates), interior_only=self.interior_only
+            coordinates, self.weights(coordinates), interior_only=self.interior_only, out=out
         )
         gradient[:, self.fixed != 0] = 0.0
         return energy, smallest, gradient
@@ -124,9 +124,9 @@ def converged_message(norm: float, first: float, iteration: int) -> str:
     return f"the gradient's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
 
 
-def diverges(coordinates: Array, extent: float) -> bool:
-    """Return whether nodes have left the domain, whose size is `extent`, for good."""
-    return not float(np.ptp(coordinates)) < 1e3 * extent
+def diverges(step: Array, extent: float) -> bool:
+    """Return whether a step leaves the domain, whose size is `extent`, for good."""
+    return not max(float(step.max()), -float(step.min())) < 1e3 * extent
 
 
 def jacobian_floor(smallest: float) -> float:
