@@ -89,7 +89,7 @@ def test_conjugate_gradients_solve_with_the_hessian(shape):
     multigrid = Multigrid(fixed)
     assert multigrid.set_operator(planes)
     # The operator is kept in single precision, and that one is solved with.
-    kept = multigrid._arrays[0].operator * multigrid._size
+    kept = multigrid._arrays[0].operator.astype(float) * multigrid._size
     np.testing.assert_allclose(kept, planes, atol=1e-6 * np.abs(planes).max())
     matrix = assemble_hessian(kept, fixed)
     right = np.random.default_rng(0).normal(size=(2, *shape)) * (fixed == 0)
