@@ -10,6 +10,9 @@
  */
 #include <math.h>
 #include <stdint.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)
@@ -347,14 +350,32 @@ static void smooth_row(const Level *level, int64_t i, int64_t parity) {
   }
 }
 
-/* Four colours forwards, or backwards: the two together are a symmetric preconditioner. */
+static void smooth_colours_of_row(const Level *level, int64_t i, int backwards) {
+  smooth_row(level, i, backwards ? 0 : 1);
+  smooth_row(level, i, backwards ? 1 : 0);
+}
+
+/* Four colours forwards, or backwards: the two together are a symmetric preconditioner. Every second row goes first, and
+ * the row between two of them follows as soon as both are done, while the operator's rows are still in the cache. At the
+ * ends of a thread's band it waits for the other threads. */
 static void smooth(const Level *level, int backwards) {
-  for (int half = 0; half < 2; ++half) {
-    const int64_t row = half != backwards ? 2 : 1;
-    ROWS(level, row, 2) {
-      smooth_row(level, i, backwards ? 0 : 1);
-      smooth_row(level, i, backwards ? 1 : 0);
+  const int64_t rows = level->ni - 2, ahead = backwards ? 0 : 1;
+#pragma omp parallel num_threads((int)level->threads)
+  {
+#ifdef _OPENMP
+    const int64_t thread = omp_get_thread_num(), threads = omp_get_num_threads();
+#else
+    const int64_t thread = 0, threads = 1;
+#endif
+    const int64_t first = 1 + rows * thread / threads, last = 1 + rows * (thread + 1) / threads;
+    for (int64_t i = first; i < last; ++i) {
+      if (i % 2 != ahead) continue;
+      smooth_colours_of_row(level, i, backwards);
+      if (i - 1 > first) smooth_colours_of_row(level, i - 1, backwards);
     }
+#pragma omp barrier
+    if (first < last && first % 2 != ahead) smooth_colours_of_row(level, first, backwards);
+    if (first < last - 1 && (last - 1) % 2 != ahead) smooth_colours_of_row(level, last - 1, backwards);
   }
 }
 
