@@ -213,9 +213,9 @@ def result_of(
 ) -> Result:
     """Return what a solver found, with what must be said of folded cells and of the weight."""
     energy, smallest = problem.energy(coordinates)
-    if not smallest > 0 and "folded cells" not in message:
+    if not smallest > 0 and "cells are folded" not in message:
         folded = int((corner_jacobians(coordinates[0], coordinates[1]) <= 0).any(axis=0).sum())
-        message += f" The grid has {folded} folded cells."
+        message += f" {folded} cells are folded."
     return Result(
         grid=Grid.from_planes(coordinates[0], coordinates[1]),
         converged=converged,
