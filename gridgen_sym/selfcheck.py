@@ -1,4 +1,4 @@
-"""Check all that is derived from one functional against computations that know nothing of the derivation.
+"""Check the derivatives, equations and kernels of one functional, with the weight 1, against other computations.
 
 Corner derivatives and Euler–Lagrange equations against differences of the bare formula in 80-digit arithmetic; the
 compiled kernels against NumPy's; the Hessian kernel against differences of the gradient kernel; and the discrete

@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'area'
-VARIANT = 'plain'
-DIGEST = 'c7485cf671e7f848'
 BARRIER = False
 EQUATION_TYPE = 'degenerate'
 POLYCONVEX = True
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ()
-PARAMETERS = []
 OPERATIONS = {"corner_energy": 4, "corner_gradient": 9, "corner_hessian": 29, "corner_semidefinite": 17, "residual": 35, "residual_slopes": 79, "residual_coefficients": 35}
 
 
@@ -725,7 +720,7 @@ def area_euler_lagrange_residual(block, coordinates, weight, parameters, result)
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

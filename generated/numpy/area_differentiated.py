@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'area'
-VARIANT = 'differentiated'
-DIGEST = 'c7485cf671e7f848'
 BARRIER = False
 EQUATION_TYPE = 'degenerate'
 POLYCONVEX = True
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ('s', 's_x', 's_y', 's_xx', 's_xy', 's_yy')
-PARAMETERS = []
 OPERATIONS = {"corner_energy": 5, "corner_gradient": 13, "corner_hessian": 50, "corner_semidefinite": 18, "residual": 72, "residual_slopes": 216, "residual_coefficients": 73}
 
 
@@ -841,7 +836,7 @@ def area_differentiated_euler_lagrange_residual(block, coordinates, weight, para
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, *weight_at_nodes(block, weight), parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

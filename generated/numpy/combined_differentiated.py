@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'combined'
-VARIANT = 'differentiated'
-DIGEST = 'cf153590e9d114dc'
 BARRIER = False
 EQUATION_TYPE = 'changing type'
 POLYCONVEX = False
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ('s', 's_x', 's_y', 's_xx', 's_xy', 's_yy')
-PARAMETERS = ['k_A', 'k_L', 'k_O']
 OPERATIONS = {"corner_energy": 21, "corner_gradient": 50, "corner_hessian": 110, "corner_semidefinite": 61, "residual": 102, "residual_slopes": 297, "residual_coefficients": 102}
 
 
@@ -943,7 +938,7 @@ def combined_differentiated_euler_lagrange_residual(block, coordinates, weight, 
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, *weight_at_nodes(block, weight), parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'knupp'
-VARIANT = 'plain'
-DIGEST = '98782662c265f707'
 BARRIER = False
 EQUATION_TYPE = 'changing type'
 POLYCONVEX = False
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ()
-PARAMETERS = []
 OPERATIONS = {"corner_energy": 11, "corner_gradient": 15, "corner_hessian": 22, "corner_semidefinite": 12, "residual": 29, "residual_slopes": 61, "residual_coefficients": 29}
 
 
@@ -741,7 +736,7 @@ def knupp_euler_lagrange_residual(block, coordinates, weight, parameters, result
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'length'
-VARIANT = 'plain'
-DIGEST = '8b9c76098a5e746c'
 BARRIER = False
 EQUATION_TYPE = 'elliptic'
 POLYCONVEX = True
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ()
-PARAMETERS = []
 OPERATIONS = {"corner_energy": 10, "corner_gradient": 14, "corner_hessian": 14, "corner_semidefinite": 0, "residual": 2, "residual_slopes": 2, "residual_coefficients": 2}
 
 
@@ -695,7 +690,7 @@ def length_euler_lagrange_residual(block, coordinates, weight, parameters, resul
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

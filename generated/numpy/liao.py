@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'liao'
-VARIANT = 'plain'
-DIGEST = '69c74f5c4e1588cb'
 BARRIER = False
 EQUATION_TYPE = 'elliptic'
 POLYCONVEX = True
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ()
-PARAMETERS = []
 OPERATIONS = {"corner_energy": 18, "corner_gradient": 33, "corner_hessian": 64, "corner_semidefinite": 44, "residual": 67, "residual_slopes": 154, "residual_coefficients": 67}
 
 
@@ -802,7 +797,7 @@ def liao_euler_lagrange_residual(block, coordinates, weight, parameters, result)
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'modified_liao'
-VARIANT = 'plain'
-DIGEST = '377b543071829950'
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
 POLYCONVEX = True
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ()
-PARAMETERS = []
 OPERATIONS = {"corner_energy": 14, "corner_gradient": 39, "corner_hessian": 117, "corner_semidefinite": 98, "residual": 139, "residual_slopes": 481, "residual_coefficients": 139}
 
 
@@ -948,7 +943,7 @@ def modified_liao_euler_lagrange_residual(block, coordinates, weight, parameters
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

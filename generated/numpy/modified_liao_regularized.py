@@ -14,15 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'modified_liao'
-VARIANT = 'regularized'
-DIGEST = '377b543071829950'
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
 POLYCONVEX = True
-EULER_LAGRANGE = False
 WEIGHT_PLANES = ()
-PARAMETERS = ['epsilon']
 OPERATIONS = {"corner_energy": 27, "corner_gradient": 50, "corner_hessian": 174, "corner_semidefinite": 120}
 
 

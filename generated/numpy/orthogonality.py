@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'orthogonality'
-VARIANT = 'plain'
-DIGEST = '33eb4e8c2fd3652b'
 BARRIER = False
 EQUATION_TYPE = 'changing type'
 POLYCONVEX = False
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ()
-PARAMETERS = []
 OPERATIONS = {"corner_energy": 7, "corner_gradient": 12, "corner_hessian": 31, "corner_semidefinite": 22, "residual": 39, "residual_slopes": 87, "residual_coefficients": 39}
 
 
@@ -768,7 +763,7 @@ def orthogonality_euler_lagrange_residual(block, coordinates, weight, parameters
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

@@ -17,15 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'winslow'
-VARIANT = 'plain'
-DIGEST = '788afa7b441f6c31'
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
 POLYCONVEX = True
-EULER_LAGRANGE = True
 WEIGHT_PLANES = ()
-PARAMETERS = []
 OPERATIONS = {"corner_energy": 12, "corner_gradient": 28, "corner_hessian": 78, "corner_semidefinite": 61, "residual": 20, "residual_slopes": 52, "residual_coefficients": 20}
 
 
@@ -758,7 +753,7 @@ def winslow_euler_lagrange_residual(block, coordinates, weight, parameters, resu
         derivatives = central_differences(block, coordinates)
         r = residual(*derivatives, parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
-            result[component, nodes, 1:-1] = part[inner]
+            result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
 
 # Derivatives of the residual of node (i, j) in the nodes of its stencil: 9 blocks of 4 planes, the blocks in the order

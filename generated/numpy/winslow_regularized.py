@@ -14,15 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 #: What solvers must know of this functional without deriving it.
-FUNCTIONAL = 'winslow'
-VARIANT = 'regularized'
-DIGEST = '788afa7b441f6c31'
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
 POLYCONVEX = True
-EULER_LAGRANGE = False
 WEIGHT_PLANES = ()
-PARAMETERS = ['epsilon']
 OPERATIONS = {"corner_energy": 25, "corner_gradient": 41, "corner_hessian": 147, "corner_semidefinite": 82}
 
 

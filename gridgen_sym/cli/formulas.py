@@ -69,7 +69,7 @@ def derive(name: str, latex: bool) -> None:
 @click.argument("name")
 @functionals_option
 def check(name: str) -> None:
-    """Check all that is derived from the functional NAME against independent computations."""
+    """Check derivatives, equations and kernels of the functional NAME (weight 1) against independent computations."""
     from gridgen_sym.functionals import functional
 
     definition = functional(name)

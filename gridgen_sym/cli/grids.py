@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from gridgen_sym.solvers import Result, Weight
 
 _DEFAULT_CELLS = (40, 40)
-#: What a solver says that was stopped by Ctrl-C and returns the best grid that it had.
+_PICTURES = (".png", ".svg", ".pdf")
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 
 
@@ -164,6 +164,8 @@ def _check_outputs(output: str | None, plot: str | None) -> None:
     for path in filter(None, (output, plot)):
         if not Path(path).absolute().parent.is_dir():
             raise GridgenError(f"cannot write {path}: the folder {Path(path).absolute().parent} does not exist")
+    if plot and Path(plot).suffix.lower() not in _PICTURES:
+        raise GridgenError(f"cannot write {plot}: a picture's suffix must be one of {', '.join(_PICTURES)}")
     if plot and find_spec("matplotlib") is None:
         raise MissingExtraError("--plot", "plot", "matplotlib")
 

@@ -14,6 +14,7 @@ from ..grids import corner_jacobians
 from ..runtime import Array
 from .equations import Equations
 from .linear import LinearSolver, jacobian_solver
+from .problem import converged_message
 from .progress import Progress
 from .sparse import assemble_jacobian, to_field, to_vector
 
@@ -39,7 +40,7 @@ def solve_by_newton(
         smallest = equations.remember(coordinates, norm)
         report.step(iteration, float("nan"), norm, smallest)
         if norm <= max(tolerance * first, floor):
-            return True, f"the residual's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+            return True, converged_message("residual", norm, first, iteration)
         if iteration == limit:
             break
         guard = 0.1 * smallest if smallest > 0 and (problem.kernels.barrier or keep_valid) else -np.inf

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..runtime import Array
 from .equations import Equations
+from .problem import converged_message
 from .progress import Progress
 
 #: How much the residual may grow before a relaxation is called divergent, and the weakest one that is tried.
@@ -24,10 +25,8 @@ def solve_by_relaxation(
     for iteration in range(limit + 1):
         report.step(iteration, float("nan"), norm, equations.remember(coordinates, norm))
         if norm <= max(tolerance * first, floor):
-            return True, (
-                f"the residual's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value "
-                f"(relaxation factor {strength:.3g})."
-            )
+            said = converged_message("residual", norm, first, iteration)
+            return True, f"{said} The relaxation factor was {strength:.3g}."
         if iteration == limit:
             break
         if not norm < _DIVERGENCE * safe_norm:
@@ -36,7 +35,8 @@ def solve_by_relaxation(
                 coordinates[...] = safe
                 return (
                     False,
-                    f"the relaxation diverges; the best residual's norm was {safe_norm / first:.1e} of its first.",
+                    f"the relaxation diverges; the best residual's norm was {safe_norm / first:.1e} of its first "
+                    "value. Untangle a folded start, or use method='newton'.",
                 )
             coordinates[...] = safe
             problem.refresh(coordinates)
@@ -47,8 +47,11 @@ def solve_by_relaxation(
                 coordinates, problem.weights(coordinates), problem.fixed, colour, strength, equations.spacing
             )
         problem.refresh(coordinates)
+        before = norm
         with np.errstate(all="ignore"):
             norm = float(np.linalg.norm(equations.residual(coordinates)))
+        if norm == before:
+            return False, "the sweeps change nothing: the nodes' own equations are singular. Use method='newton'."
     return False, (
         f"{limit} sweeps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value: allow "
         "more with max_iterations, or use method='newton'."

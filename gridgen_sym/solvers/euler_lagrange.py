@@ -22,7 +22,7 @@ from .equations_newton import solve_by_newton
 from .equations_relaxation import solve_by_relaxation
 from .nested import nested_start, worth_nesting
 from .newton import minimize
-from .problem import Problem, check_controls, make_problem, result_of
+from .problem import INTERRUPTED, Problem, check_controls, make_problem, result_of
 from .progress import Callback, Progress
 from .result import Result
 from .untangle import could_not_unfold, unfold
@@ -30,6 +30,7 @@ from .weight import Source, Weight
 
 #: How near to the minimum a grid is brought that was folded at the start.
 _NEAR, _STEPS_NEAR = 1e-2, 50
+_FOLDED = "The grid was folded at the start; it was untangled and brought near the minimum of the energy first: "
 #: Newton steps, or sweeps, where the caller does not say.
 _LIMITS = {"newton": 200, "relaxation": 100_000}
 
@@ -56,7 +57,9 @@ def solve_euler_lagrange(
     Args:
         grid: the start. Newton's method untangles a folded start of a barrier functional first.
         name: the functional.
-        method: `newton`, or `relaxation` with frozen coefficients, node by node.
+        method: `newton`, or `relaxation` with frozen coefficients, node by node. For a barrier functional
+            Newton's method starts near the minimum of the discrete energy, which it finds first: on coarse grids, or
+            after untangling. These steps are not counted as iterations. Relaxation starts from `grid` as it is.
         weight: the paper's adaptive function: formula, function, array or `Weight`.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
@@ -87,24 +90,25 @@ def solve_euler_lagrange(
 
     problem, coordinates = make(grid, fixed), grid.planes.copy()
     limit = _LIMITS[method] if max_iterations is None else max_iterations
-    said = ""
+    equations, said, interrupted = Equations(problem, spacing), "", False
     with Progress(f"Euler–Lagrange equations of {definition.name}", callback, progress) as report:
-        if method == "newton" and problem.kernels.barrier and limit:
-            folded = not corner_jacobians(*coordinates).min() > 0
-            if worth_nesting(problem, coordinates):
-                # The minimum of the energy is near the solution of its equations, and coarse grids find it fast.
-                start = nested_start(make, definition, coordinates, parameters, report)
-                coordinates = coordinates if start is None else start
-            if not _make_valid(problem, definition, coordinates, parameters, report):
-                return result_of(problem, coordinates, report, False, could_not_unfold(coordinates, definition))
-            said = "The grid was folded at the start and was untangled first: " if folded else ""
-        equations = Equations(problem, spacing)
-        report.begin("solve", grid.shape)
-        if method == "relaxation":
-            converged, message = solve_by_relaxation(equations, coordinates, report, tolerance, limit, relaxation)
-        else:
-            converged, message = solve_by_newton(equations, coordinates, report, tolerance, limit, keep_valid)
-    return _finish(equations, coordinates, report, converged, said + message, keep_valid)
+        try:
+            if method == "newton" and problem.kernels.barrier and limit:
+                said = _FOLDED if not corner_jacobians(*coordinates).min() > 0 else ""
+                if worth_nesting(problem, coordinates):
+                    # The minimum of the energy is near the solution of its equations, and coarse grids find it fast.
+                    start = nested_start(make, definition, coordinates, parameters, report)
+                    coordinates = coordinates if start is None else start
+                if not _make_valid(problem, definition, coordinates, parameters, report):
+                    return result_of(problem, coordinates, report, False, could_not_unfold(coordinates, definition))
+            report.begin("solve", grid.shape)
+            if method == "relaxation":
+                converged, message = solve_by_relaxation(equations, coordinates, report, tolerance, limit, relaxation)
+            else:
+                converged, message = solve_by_newton(equations, coordinates, report, tolerance, limit, keep_valid)
+        except KeyboardInterrupt:
+            converged, message, interrupted = False, INTERRUPTED, True
+    return _finish(equations, coordinates, report, converged, said + message, keep_valid, interrupted)
 
 
 def _make_valid(
@@ -142,7 +146,13 @@ def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> No
 
 
 def _finish(
-    equations: Equations, coordinates: Array, report: Progress, converged: bool, message: str, keep_valid: bool
+    equations: Equations,
+    coordinates: Array,
+    report: Progress,
+    converged: bool,
+    message: str,
+    keep_valid: bool,
+    interrupted: bool,
 ) -> Result:
     """Choose the grid to return, and say what the type of the equations means for it."""
     folded = not float(corner_jacobians(coordinates[0], coordinates[1]).min()) > 0
@@ -158,4 +168,4 @@ def _finish(
     if kind != "elliptic":
         message += f" The equations are not elliptic ({kind}), so a solution need not exist or be unique."
     equations.problem.refresh(coordinates)
-    return result_of(equations.problem, coordinates, report, converged, message)
+    return result_of(equations.problem, coordinates, report, converged, message, interrupted=interrupted)

@@ -40,7 +40,7 @@ def sweep_until_converged(
     round_off = problem.round_off(coordinates, gradient)
     for iteration in range(max_iterations + 1):
         if norm <= max(tolerance * first, round_off):
-            return True, converged_message(norm, first, iteration)
+            return True, converged_message("gradient", norm, first, iteration)
         if iteration == max_iterations:
             break
         before = coordinates.copy()

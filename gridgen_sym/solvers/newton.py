@@ -64,7 +64,7 @@ def minimize(
     held_back, extent = 0, float(np.ptp(coordinates))
     for iteration in range(max_iterations + 1):
         if norm <= max(tolerance * first, round_off):
-            return True, converged_message(norm, first, iteration)
+            return True, converged_message("gradient", norm, first, iteration)
         if iteration == max_iterations:
             break
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.

@@ -16,7 +16,7 @@ from ..runtime import Array
 from .local import sweep_until_converged
 from .nested import nested_start, worth_nesting
 from .newton import minimize
-from .problem import Problem, check_controls, make_problem, result_of
+from .problem import INTERRUPTED, Problem, check_controls, make_problem, result_of
 from .progress import Callback, Progress
 from .result import Result
 from .sparse import assemble_hessian
@@ -52,11 +52,13 @@ def optimize(
         grid: the start, for example from `transfinite`.
         name: the functional.
         method: `newton` moves all nodes at once; `local` is the paper's method, one node at a time.
-        weight: the paper's adaptive function: formula, function, array or `Weight`.
+        weight: the paper's adaptive function: formula, function, array or `Weight`. A density that does not name
+            the weight is multiplied by it.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the gradient's norm must fall.
-        max_iterations: sweeps, or Newton steps.
+        max_iterations: sweeps, or Newton steps, on the grid itself; steps of untangling and on coarser grids are
+            not counted. With 0 there are none of either.
         keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals
             never do.
         interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners.
@@ -116,7 +118,7 @@ def optimize(
                     keep_valid=keep_valid,
                 )
         except KeyboardInterrupt:
-            converged, interrupted, message = False, True, "it was interrupted; this is the best grid that it had."
+            converged, interrupted, message = False, True, INTERRUPTED
     return result_of(run.problem, run.coordinates, report, converged, run.said + message, interrupted=interrupted)
 
 
@@ -187,12 +189,16 @@ def untangle(
     problem = make_problem(grid, definition, fixed=fixed, parameters=parameters, backend=backend)
     if not problem.kernels.barrier:
         raise GridgenError(f"untangling needs a functional with a barrier at J = 0, such as winslow; {name!r} has none")
-    coordinates = grid.planes.copy()
+    coordinates, interrupted = grid.planes.copy(), False
     with Progress(f"{definition.name}, untangle", callback, progress) as report:
         report.begin("untangle", grid.shape)
-        valid = unfold(problem, definition, coordinates, parameters, report)
+        try:
+            valid = unfold(problem, definition, coordinates, parameters, report)
+        except KeyboardInterrupt:
+            valid, interrupted = bool(problem.energy(coordinates)[1] > 0), True
     message = "every corner's Jacobian is positive." if valid else could_not_unfold(coordinates, definition)
-    return result_of(problem, coordinates, report, valid, message)
+    message = INTERRUPTED if interrupted else message
+    return result_of(problem, coordinates, report, valid, message, interrupted=interrupted)
 
 
 def energy(

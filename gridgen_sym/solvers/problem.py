@@ -17,6 +17,8 @@ from .progress import Callback, Progress
 from .result import Result
 from .weight import Source, Weight, as_weight
 
+#: What a solver says that was stopped by Ctrl-C.
+INTERRUPTED = "it was interrupted; this is the best grid that it had."
 #: Coordinates beyond this size overflow in densities of the fourth degree, and in their squares.
 _LARGEST = 1e30
 
@@ -88,14 +90,19 @@ class Problem:
         size, little = float(np.abs(coordinates).max()), 1e-4 * _spacing(coordinates)
         signs = np.random.default_rng(0).integers(0, 2, size=coordinates.shape, dtype=np.int8)
         moved = coordinates + little * (2 * signs - 1)
-        change = norm_of(self.energy_gradient(moved)[2] - gradient)
+        energy, _, there = self.energy_gradient(moved)
         self.refresh(coordinates)
-        return 4 * float(np.finfo(float).eps) * size * change / little if little > 0 and np.isfinite(change) else 0.0
+        eps, change = float(np.finfo(float).eps), norm_of(there - gradient)
+        # A gradient that does not change at all (of a null Lagrangian) still is a sum of terms that round.
+        summed = 10 * eps * self.gradient_scale(coordinates, energy)
+        return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
 
     def caution(self, coordinates: Array) -> str:
         """Return what the user must know of the weight, as a sentence with a leading blank, or nothing."""
         if self.weight is None:
             return ""
+        if self._planes is not None and not self._planes[0].any():
+            return " The weight is zero at every node: every grid has the energy zero."
         negative = self.weight.negative_nodes(coordinates)
         if not negative:
             return ""
@@ -117,11 +124,11 @@ def norm_of(gradient: Array) -> float:
         return float(np.linalg.norm(gradient))
 
 
-def converged_message(norm: float, first: float, iteration: int) -> str:
-    """Return why a solver stopped that has done what was asked."""
+def converged_message(what: str, norm: float, first: float, iteration: int) -> str:
+    """Return why a solver stopped that has done what was asked; `what` is `gradient` or `residual`."""
     if iteration == 0:
-        return f"the start is stationary already: the gradient's norm is {norm:.2e}."
-    return f"the gradient's norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+        return f"the start is a solution already: the {what}'s norm is {norm:.2e}."
+    return f"the {what}'s norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
 
 
 def diverges(step: Array, extent: float) -> bool:
@@ -213,9 +220,9 @@ def result_of(
 ) -> Result:
     """Return what a solver found, with what must be said of folded cells and of the weight."""
     energy, smallest = problem.energy(coordinates)
-    if not smallest > 0 and "cells are folded" not in message:
+    if not smallest > 0 and "are folded (J" not in message:
         folded = int((corner_jacobians(coordinates[0], coordinates[1]) <= 0).any(axis=0).sum())
-        message += f" {folded} cells are folded."
+        message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded."
     return Result(
         grid=Grid.from_planes(coordinates[0], coordinates[1]),
         converged=converged,

@@ -47,34 +47,32 @@ def unfold(
     best, best_key, stalled = coordinates.copy(), (count, -least), 0
     previous = np.inf
     solver = hessian_solver(problem.fixed, problem.kernels.backend)
-    for _ in range(max_rounds):
-        if least > 0:
-            return True
-        regularized = _regularized(problem, functional, parameters, epsilon)
-        start, _ = regularized.energy(coordinates)
-        minimize(
-            regularized,
-            coordinates,
-            progress,
-            tolerance=1e-3,
-            max_iterations=_INNER_STEPS,
-            keep_valid=False,
-            semidefinite=True,
-            solver=solver,
-        )
-        energy, _ = regularized.energy(coordinates)
-        least, count = _folds(coordinates)
-        epsilon = _next_epsilon(epsilon, least, energy, min(start, previous))
-        previous = energy
-        key = (count, -least)
-        if key < best_key:
-            stalled = 0 if count < best_key[0] or least > 0.9 * -best_key[1] else stalled + 1
-            best, best_key = coordinates.copy(), key
-        else:
-            stalled += 1
-        if stalled > _PATIENCE:
-            break
-    coordinates[...] = best
+    try:
+        for _ in range(max_rounds):
+            if least > 0 or stalled > _PATIENCE:
+                break
+            regularized = _regularized(problem, functional, parameters, epsilon)
+            start, _ = regularized.energy(coordinates)
+            minimize(
+                regularized,
+                coordinates,
+                progress,
+                tolerance=1e-3,
+                max_iterations=_INNER_STEPS,
+                keep_valid=False,
+                semidefinite=True,
+                solver=solver,
+            )
+            energy, _ = regularized.energy(coordinates)
+            least, count = _folds(coordinates)
+            epsilon = _next_epsilon(epsilon, least, energy, min(start, previous))
+            previous, key = energy, (count, -least)
+            lifted = count < best_key[0] or least > 0.9 * -best_key[1]
+            stalled = 0 if key < best_key and lifted else stalled + 1
+            if key < best_key:
+                best, best_key = coordinates.copy(), key
+    finally:  # Whatever ends it, Ctrl-C too, the best grid is what remains.
+        coordinates[...] = best
     return best_key[0] == 0
 
 

@@ -81,9 +81,9 @@ class Weight:
                     value = _real(evaluate(self.source, {"x": x, "y": y, "pi": np.pi}, _NUMPY_FUNCTIONS))
                 else:
                     value = _real(self.source(x, y) if callable(self.source) else self.source)
-        except (ArithmeticError, TypeError, ValueError) as error:
-            if isinstance(error, GridgenError):
-                raise
+        except GridgenError:
+            raise
+        except Exception as error:  # A user's function may raise anything.
             raise GridgenError(
                 f"the weight {self.source!r} cannot be evaluated: {error}. It must be a formula in x and y, a function "
                 "of two arrays (x, y), a number, or an array with one value per node"
