@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -26,6 +28,10 @@ DERIVED = [(name, variant) for name in ("winslow", "knupp") for variant in ("fro
 CASES = COMMITTED + DERIVED
 #: Those that have Euler-Lagrange equations.
 EQUATION_CASES = [case for case in CASES if case[1] != "regularized"]
+
+#: Domains that are not part of the repository; the tests that read them are skipped where there are none.
+SHARED = Path(os.environ.get("GRIDGEN_SYM_SHARED") or Path(__file__).resolve().parents[2] / "shared")
+NO_SHARED = f"no {{}} in {SHARED}: set GRIDGEN_SYM_SHARED to the folder of shared domains"
 
 EPSILON = 0.3
 #: How far 50-digit numbers are from each other where two formulas mean the same.

@@ -38,7 +38,7 @@ enum { CHUNK = 64 };
 /* A block of nodes and the rows of it to work on; arrays have `plane` doubles per component. */
 typedef struct {
   int64_t ni, nj;             /* nodes along xi (rows) and eta (columns) */
-  int64_t row_begin, row_end; /* rows of nodes to work on; their neighbours are read */
+  int64_t row_begin, row_end; /* rows of nodes to work on; their neighbors are read */
   int64_t stride, plane;      /* doubles from a row, and from a component, to the next */
   int64_t interior_only;      /* leave out the corners at nodes of the block's edge */
   int64_t threads;
@@ -1037,10 +1037,10 @@ EXPORT void area_semidefinite_hessian(const Block *block, const double *coordina
   FOR_ROWS(semidefinite_hessian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, hessian))
 }
 
-/* ---- node sweep: one damped Newton step on the local energy of every free node of one colour ----
+/* ---- node sweep: one damped Newton step on the local energy of every free node of one color ----
  *
  * The local energy of a node is the sum over the 12 corners that contain it: for each of its four cells its own
- * corner and those at its neighbours along xi and along eta.
+ * corner and those at its neighbors along xi and along eta.
  */
 
 /* Edge vectors of a cell of node n placed at (px, py): a, b at the node; c, d opposite to them. */
@@ -1129,9 +1129,9 @@ static int folds(const double before[12], const double after[12], double floor) 
   return 0;
 }
 
-static void sweep_row(const Block *block, int64_t i, int64_t colour, double *x, double *y, const double *w,
+static void sweep_row(const Block *block, int64_t i, int64_t color, double *x, double *y, const double *w,
                       const double *parameters, const uint8_t *fixed, double floor) {
-  for (int64_t j = 1 + ((colour >> 1) + 1) % 2; j < block->nj - 1; j += 2) {
+  for (int64_t j = 1 + ((color >> 1) + 1) % 2; j < block->nj - 1; j += 2) {
     const int64_t n = i * block->stride + j;
     double g[2], h[3], d[2];
     if (fixed[i * block->nj + j]) continue;
@@ -1152,16 +1152,16 @@ static void sweep_row(const Block *block, int64_t i, int64_t colour, double *x, 
   }
 }
 
-static void sweep_rows(const Block *block, int64_t first, int64_t last, int64_t colour, double *x, double *y,
+static void sweep_rows(const Block *block, int64_t first, int64_t last, int64_t color, double *x, double *y,
                        const double *w, const double *parameters, const uint8_t *fixed, double floor) {
   for (int64_t i = larger(first, 1); i < smaller(last, block->ni - 1); ++i)
-    if (i % 2 == colour % 2) sweep_row(block, i, colour, x, y, w, parameters, fixed, floor);
+    if (i % 2 == color % 2) sweep_row(block, i, color, x, y, w, parameters, fixed, floor);
 }
 
-/* Nodes of one colour (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold. */
+/* Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold. */
 EXPORT void area_sweep(const Block *block, double *coordinates, const double *weight, const double *parameters,
-                 const uint8_t *fixed, int64_t colour, double floor) {
-  FOR_ROWS(sweep_rows(block, first, last, colour, coordinates, coordinates + block->plane, weight, parameters, fixed,
+                 const uint8_t *fixed, int64_t color, double floor) {
+  FOR_ROWS(sweep_rows(block, first, last, color, coordinates, coordinates + block->plane, weight, parameters, fixed,
                       floor))
 }
 
@@ -1371,17 +1371,17 @@ EXPORT void area_euler_lagrange_frozen_jacobian(const Block *block, const double
   FOR_ROWS(frozen_jacobian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, jacobian))
 }
 
-/* One over-relaxed sweep over the free nodes of one colour, with the coefficients of the second derivatives frozen:
+/* One over-relaxed sweep over the free nodes of one color, with the coefficients of the second derivatives frozen:
  * each node solves its own two equations for its own two coordinates. */
 static void relaxation_rows(const Block *block, int64_t first, int64_t last, double *x, double *y, const double *w,
-                            const double *parameters, const uint8_t *fixed, int64_t colour, double relaxation) {
+                            const double *parameters, const uint8_t *fixed, int64_t color, double relaxation) {
   const int64_t stride = block->stride, plane = block->plane;
   const double half_xi = 0.5 / block->h_xi, half_eta = 0.5 / block->h_eta, mixed = half_xi * half_eta;
   const double second_xi = 1.0 / (block->h_xi * block->h_xi), second_eta = 1.0 / (block->h_eta * block->h_eta);
   (void)w, (void)plane;
   for (int64_t i = larger(first, 1); i < smaller(last, block->ni - 1); ++i) {
-    if (i % 2 != colour % 2) continue;
-    for (int64_t j = 1 + ((colour >> 1) + 1) % 2; j < block->nj - 1; j += 2) {
+    if (i % 2 != color % 2) continue;
+    for (int64_t j = 1 + ((color >> 1) + 1) % 2; j < block->nj - 1; j += 2) {
       const int64_t n = i * stride + j;
       if (fixed[i * block->nj + j]) continue;
       const double x_xi = half_xi * (x[n + stride] - x[n - stride]), y_xi = half_xi * (y[n + stride] - y[n - stride]);
@@ -1407,7 +1407,7 @@ static void relaxation_rows(const Block *block, int64_t first, int64_t last, dou
 }
 
 EXPORT void area_euler_lagrange_relaxation(const Block *block, double *coordinates, const double *weight,
-                                     const double *parameters, const uint8_t *fixed, int64_t colour, double relaxation) {
-  FOR_ROWS(relaxation_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, fixed, colour,
+                                     const double *parameters, const uint8_t *fixed, int64_t color, double relaxation) {
+  FOR_ROWS(relaxation_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, fixed, color,
                            relaxation))
 }

@@ -779,14 +779,14 @@ def combined_differentiated_semidefinite_hessian(block, coordinates, weight, par
     hessian[:, block.row_begin : block.row_end] = total[:, block.row_begin : block.row_end]
 
 
-# ---- node sweep: one damped Newton step on the local energy of every free node of one colour ----
+# ---- node sweep: one damped Newton step on the local energy of every free node of one color ----
 #
 # The local energy of a node is the sum over the 12 corners that contain it: for each of its four cells its own
-# corner and those at its neighbours along xi and along eta.
+# corner and those at its neighbors along xi and along eta.
 
 
 def cells_of_nodes(block, coordinates, i, j, position):
-    """Yield for each of the four cells of nodes (i, j), placed at `position`: its edge vectors, neighbours and corners.
+    """Yield for each of the four cells of nodes (i, j), placed at `position`: its edge vectors, neighbors and corners.
 
     Edge vectors a, b at the node; c, d opposite to them; `along_xi` and `along_eta` tell whether those corners count.
     """
@@ -870,11 +870,11 @@ def folds(before, after, floor):
     return ((before > floor) & ~((after > floor) & (after > 0.1 * before))).any(axis=0)
 
 
-def combined_differentiated_sweep(block, coordinates, weight, parameters, fixed, colour, floor):
-    """Nodes of one colour (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold."""
+def combined_differentiated_sweep(block, coordinates, weight, parameters, fixed, color, floor):
+    """Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold."""
     i, j = np.nonzero(fixed == 0)
     inside = (i >= max(block.row_begin, 1)) & (i < min(block.row_end, block.ni - 1)) & (j > 0) & (j < block.nj - 1)
-    chosen = inside & (i % 2 == colour % 2) & (j % 2 == colour // 2)
+    chosen = inside & (i % 2 == color % 2) & (j % 2 == color // 2)
     i, j = i[chosen], j[chosen]
     with np.errstate(all="ignore"):
         g, h = local_derivatives(block, coordinates, weight, parameters, i, j)
@@ -957,10 +957,10 @@ def combined_differentiated_euler_lagrange_jacobian(block, coordinates, weight, 
             corner, xi, eta = half_xi * half_eta * slope["xieta"], second_xi * slope["xixi"], second_eta * slope["etaeta"]
             slope_xi = half_xi * getattr(r, f"{equation}_{coordinate}_xi")
             slope_eta = half_eta * getattr(r, f"{equation}_{coordinate}_eta")
-            centre = -2.0 * (xi + eta) + getattr(r, f"{equation}_{coordinate}")
-            stencil = (corner, xi - slope_xi, -corner, eta - slope_eta, centre, eta + slope_eta, -corner, xi + slope_xi, corner)
-            for neighbour, value in enumerate(stencil):
-                jacobian[4 * neighbour + entry, nodes, 1:-1] = np.broadcast_to(value, derivatives[0].shape)[inner]
+            center = -2.0 * (xi + eta) + getattr(r, f"{equation}_{coordinate}")
+            stencil = (corner, xi - slope_xi, -corner, eta - slope_eta, center, eta + slope_eta, -corner, xi + slope_xi, corner)
+            for neighbor, value in enumerate(stencil):
+                jacobian[4 * neighbor + entry, nodes, 1:-1] = np.broadcast_to(value, derivatives[0].shape)[inner]
 
 
 def combined_differentiated_euler_lagrange_frozen_jacobian(block, coordinates, weight, parameters, jacobian):
@@ -974,20 +974,20 @@ def combined_differentiated_euler_lagrange_frozen_jacobian(block, coordinates, w
             slope = {name: getattr(r, f"{equation}_{coordinate}_{name}") for name in ("xixi", "xieta", "etaeta")}
             corner, xi, eta = half_xi * half_eta * slope["xieta"], second_xi * slope["xixi"], second_eta * slope["etaeta"]
             slope_xi = slope_eta = 0.0
-            centre = -2.0 * (xi + eta)
-            stencil = (corner, xi - slope_xi, -corner, eta - slope_eta, centre, eta + slope_eta, -corner, xi + slope_xi, corner)
-            for neighbour, value in enumerate(stencil):
-                jacobian[4 * neighbour + entry, nodes, 1:-1] = np.broadcast_to(value, derivatives[0].shape)[inner]
+            center = -2.0 * (xi + eta)
+            stencil = (corner, xi - slope_xi, -corner, eta - slope_eta, center, eta + slope_eta, -corner, xi + slope_xi, corner)
+            for neighbor, value in enumerate(stencil):
+                jacobian[4 * neighbor + entry, nodes, 1:-1] = np.broadcast_to(value, derivatives[0].shape)[inner]
 
 
-def combined_differentiated_euler_lagrange_relaxation(block, coordinates, weight, parameters, fixed, colour, relaxation):
-    """One over-relaxed sweep over the free nodes of one colour, with the coefficients of the second derivatives frozen.
+def combined_differentiated_euler_lagrange_relaxation(block, coordinates, weight, parameters, fixed, color, relaxation):
+    """One over-relaxed sweep over the free nodes of one color, with the coefficients of the second derivatives frozen.
 
     Each node solves its own two equations for its own two coordinates.
     """
     second_xi, second_eta = 1.0 / block.h_xi**2, 1.0 / block.h_eta**2
     i, j = np.arange(1, block.ni - 1)[:, None], np.arange(1, block.nj - 1)[None, :]
-    chosen = (fixed[1:-1, 1:-1] == 0) & (i % 2 == colour % 2) & (j % 2 == colour // 2)
+    chosen = (fixed[1:-1, 1:-1] == 0) & (i % 2 == color % 2) & (j % 2 == color // 2)
     chosen &= (i >= block.row_begin) & (i < block.row_end)
     with np.errstate(all="ignore"):
         derivatives = central_differences(block, coordinates)

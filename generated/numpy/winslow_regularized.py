@@ -523,14 +523,14 @@ def winslow_regularized_semidefinite_hessian(block, coordinates, weight, paramet
     hessian[:, block.row_begin : block.row_end] = total[:, block.row_begin : block.row_end]
 
 
-# ---- node sweep: one damped Newton step on the local energy of every free node of one colour ----
+# ---- node sweep: one damped Newton step on the local energy of every free node of one color ----
 #
 # The local energy of a node is the sum over the 12 corners that contain it: for each of its four cells its own
-# corner and those at its neighbours along xi and along eta.
+# corner and those at its neighbors along xi and along eta.
 
 
 def cells_of_nodes(block, coordinates, i, j, position):
-    """Yield for each of the four cells of nodes (i, j), placed at `position`: its edge vectors, neighbours and corners.
+    """Yield for each of the four cells of nodes (i, j), placed at `position`: its edge vectors, neighbors and corners.
 
     Edge vectors a, b at the node; c, d opposite to them; `along_xi` and `along_eta` tell whether those corners count.
     """
@@ -605,11 +605,11 @@ def folds(before, after, floor):
     return ((before > floor) & ~((after > floor) & (after > 0.1 * before))).any(axis=0)
 
 
-def winslow_regularized_sweep(block, coordinates, weight, parameters, fixed, colour, floor):
-    """Nodes of one colour (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold."""
+def winslow_regularized_sweep(block, coordinates, weight, parameters, fixed, color, floor):
+    """Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold."""
     i, j = np.nonzero(fixed == 0)
     inside = (i >= max(block.row_begin, 1)) & (i < min(block.row_end, block.ni - 1)) & (j > 0) & (j < block.nj - 1)
-    chosen = inside & (i % 2 == colour % 2) & (j % 2 == colour // 2)
+    chosen = inside & (i % 2 == color % 2) & (j % 2 == color // 2)
     i, j = i[chosen], j[chosen]
     with np.errstate(all="ignore"):
         g, h = local_derivatives(block, coordinates, weight, parameters, i, j)

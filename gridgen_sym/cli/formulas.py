@@ -95,11 +95,13 @@ def verify() -> None:
         click.secho(f"{verdict.equation.place}: ", nl=False)
         click.secho(_answer(verdict), fg=_color(verdict))
     known = [verdict.erratum for verdict in told if verdict.erratum]
-    agreeing = sum(verdict.agrees and not verdict.erratum for verdict in told)
+    plain = sum(verdict.is_plain for verdict in told)
+    conditional = sum(verdict.agrees and not verdict.is_plain and not verdict.erratum for verdict in told)
     discoveries = sum(verdict.is_discovery for verdict in told)
     click.echo(
-        f"{len(told)} printed equations and claims: {agreeing} agree, {len(known)} are known errata "
-        f"({', '.join(sorted(set(known)))}), {discoveries} differ without a known erratum"
+        f"{len(told)} printed equations and claims: {plain} agree, {conditional} where J > 0 only, "
+        f"{len(known)} are known errata ({', '.join(sorted(set(known)))}), "
+        f"{discoveries} differ without a known erratum"
     )
     if discoveries:
         raise click.exceptions.Exit(1)

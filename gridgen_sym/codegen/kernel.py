@@ -3,7 +3,7 @@
 A `Program` is straight-line arithmetic on doubles: assignments of expressions to names. It can express
 sums, products, whole and half powers, reciprocals, the functions of `FUNCTION_NAMES` and a choice between
 two values by the sign of a third. It cannot express loops, arrays, integers, branches, calls of user code or
-anything that depends on more than one point of the grid: loops and neighbours belong to the templates.
+anything that depends on more than one point of the grid: loops and neighbors belong to the templates.
 """
 
 from __future__ import annotations

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..errors import GridgenError
+from .expression import FUNCTION_NAMES, LARGEST_EXPONENT
 from .metric import DENSITY_NAMES, WEIGHT_NAME, symbol, sympy_functions
 
 if TYPE_CHECKING:
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
 
 # Edge vectors (x_xi, y_xi, x_eta, y_eta) of corners with J > 0 on which every density must be real and finite.
 _VALID_CORNERS = ((1, 0, 0, 1), (2, 1, -1, 1), (1, -1, 1, 3), (3, 0, 2, 1))
+_COMPLEX_FUNCTIONS = {name: getattr(cmath, name) for name in FUNCTION_NAMES if name != "abs"} | {"abs": abs}
 
 
 def check_density(functional: Functional) -> None:
@@ -25,6 +28,7 @@ def check_density(functional: Functional) -> None:
     """
     density = functional.expression()
     _check_functions(functional, density)
+    _check_powers(functional, density)
     _check_symbols(functional, density)
     for corner in _VALID_CORNERS:
         _check_value(functional, density, corner)
@@ -54,23 +58,41 @@ def _check_functions(functional: Functional, density: sympy.Expr) -> None:
 
     if density.has(sympy.I) or density.has(sympy.nan, sympy.oo, sympy.zoo):
         raise GridgenError(f"the density of functional {functional.name!r} is not real and finite: {density}")
-    allowed = tuple(set(sympy_functions().values()) - {sympy.sqrt})
+    arithmetic = (sympy.Symbol, sympy.Rational, sympy.Add, sympy.Mul, sympy.Pow, type(sympy.pi), type(sympy.E))
+    allowed = (*arithmetic, *(set(sympy_functions().values()) - {sympy.sqrt}))
     for part in sympy.preorder_traversal(density):
-        if isinstance(part, sympy.Function) and not isinstance(part, allowed):
+        if not isinstance(part, allowed):
             raise GridgenError(
-                f"the density of functional {functional.name!r} uses {part.func.__name__}, for which there is no "
-                f"kernel: use {', '.join(sorted(sympy_functions()))}"
+                f"the density of functional {functional.name!r} uses {type(part).__name__}, for which there is no "
+                f"kernel: use + - * / **, {', '.join(sorted(sympy_functions()))}"
+            )
+
+
+def _check_powers(functional: Functional, density: sympy.Expr) -> None:
+    import sympy
+
+    for power in density.atoms(sympy.Pow):
+        if power.exp.is_Rational and abs(power.exp) > LARGEST_EXPONENT:
+            raise GridgenError(
+                f"the density of functional {functional.name!r} contains a power with an exponent of more than "
+                f"{LARGEST_EXPONENT} in size: lower it"
             )
 
 
 def _check_value(functional: Functional, density: sympy.Expr, corner: tuple[int, int, int, int]) -> None:
-    value = density.subs(dict(sample_values(corner))).subs(
-        {symbol(name): default for name, default in functional.parameters.items()}
-    )
-    number = complex(value.evalf())
+    """Evaluate in complex floats, in which every density takes a moment; exact numbers may grow without end."""
+    import sympy
+
+    values = {name: complex(value) for name, value in sample_values(corner)}
+    values |= {symbol(name): complex(default) for name, default in functional.parameters.items()}
+    try:
+        number = complex(sympy.lambdify(list(values), density, [_COMPLEX_FUNCTIONS])(*values.values()))
+        came = f"{number.real if number.imag == 0 else number:.6g}"
+    except (ArithmeticError, ValueError) as error:
+        number, came = complex("nan"), f"without a value ({error})"
     if abs(number.imag) > 1e-12 * abs(number) or not abs(number) < float("inf"):
         raise GridgenError(
-            f"the density of functional {functional.name!r} is {value.evalf(6)} on the valid corner with edge vectors "
+            f"the density of functional {functional.name!r} is {came} on the valid corner with edge vectors "
             f"g1 = {corner[:2]}, g2 = {corner[2:]}, s = 1: it must be real and finite wherever J > 0"
         )
 

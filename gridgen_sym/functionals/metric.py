@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -73,4 +74,10 @@ def sympy_functions() -> dict[str, Any]:
 @lru_cache(maxsize=1)
 def symbolic_metric() -> Metric:
     """Return the metric whose attributes are SymPy symbols."""
-    return Metric({name: symbol(name) for name in DENSITY_NAMES} | sympy_functions())
+    functions = {name: _of_one_argument(function) for name, function in sympy_functions().items()}
+    return Metric({name: symbol(name) for name in DENSITY_NAMES} | functions)
+
+
+def _of_one_argument(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return the function without its further arguments: SymPy's sqrt takes `evaluate` as its second."""
+    return lambda argument, /: function(argument)

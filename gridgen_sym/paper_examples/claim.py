@@ -16,7 +16,7 @@ MEASURES: tuple[tuple[str, Callable[[Quality], float], bool], ...] = (
     ("smallest J / mean J", lambda q: q.min_jacobian / q.mean_jacobian, True),
     ("smallest scaled J", lambda q: q.min_scaled_jacobian, True),
     ("mean K", lambda q: q.mean_condition, False),
-    ("largest area ratio of neighbours", lambda q: q.max_area_ratio, False),
+    ("largest area ratio of neighbors", lambda q: q.max_area_ratio, False),
 )
 _ALIKE = 0.01  # Measures that differ by less, relative to each other, are left out.
 

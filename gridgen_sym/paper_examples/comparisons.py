@@ -64,7 +64,7 @@ def _winslow_claims(algebraic: Case, winslow: Case) -> tuple[Claim, ...]:
             "The Winslow functional smooths the grid and removes the folded grid lines.",
             (f"{after.folded_cells} of {after.cells} cells are folded", after.valid),
             (
-                f"the largest area ratio of neighbours goes from {before.max_area_ratio:.3g} to "
+                f"the largest area ratio of neighbors goes from {before.max_area_ratio:.3g} to "
                 f"{after.max_area_ratio:.3g}",
                 after.max_area_ratio < before.max_area_ratio,
             ),

@@ -56,7 +56,7 @@ interpolation and is found by the local method, one node at a time. J is the Jac
 steps of the index; a cell is folded where J ≤ 0 at one of its corners, so that a grid without folded cells has convex
 cells only. J/mean is the smallest J over the mean one; scaled J the smallest J/(|g1| |g2|), the sine of a corner's
 angle; K = (g11 + g22)/J ≥ 2 is 2 for squares, its mean is over the corners with J > 0; the area ratio is the largest
-of two neighbours. Energies are the discrete ones, over all corners of all cells. Of two grids a valid one is better
+of two neighbors. Energies are the discrete ones, over all corners of all cells. Of two grids a valid one is better
 than a folded one; two valid ones are compared measure by measure, leaving out what is within 1 % of each other."""
 
 

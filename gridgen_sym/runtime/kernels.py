@@ -105,16 +105,16 @@ class KernelSet:
         coordinates: Array,
         weight: Array | None,
         fixed: Mask,
-        colour: int,
+        color: int,
         *,
         floor: float,
         interior_only: bool = False,
     ) -> None:
-        """Move every free node of a colour (i % 2 + 2 (j % 2)) by one damped Newton step on its local energy.
+        """Move every free node of a color (i % 2 + 2 (j % 2)) by one damped Newton step on its local energy.
 
         No step takes the Jacobian of a corner from above `floor` to below it; a negative floor lets cells fold.
         """
-        self._call("sweep", coordinates, weight, fixed, colour, floor, interior_only=interior_only)
+        self._call("sweep", coordinates, weight, fixed, color, floor, interior_only=interior_only)
 
     def euler_lagrange_residual(
         self, coordinates: Array, weight: Array | None = None, spacing: tuple[float, float] = (1.0, 1.0)
@@ -147,12 +147,12 @@ class KernelSet:
         coordinates: Array,
         weight: Array | None,
         fixed: Mask,
-        colour: int,
+        color: int,
         relaxation: float,
         spacing: tuple[float, float] = (1.0, 1.0),
     ) -> None:
-        """Relax the equations at every free node of a colour, with frozen coefficients, in place."""
-        self._call("euler_lagrange_relaxation", coordinates, weight, fixed, colour, relaxation, spacing=spacing)
+        """Relax the equations at every free node of a color, with frozen coefficients, in place."""
+        self._call("euler_lagrange_relaxation", coordinates, weight, fixed, color, relaxation, spacing=spacing)
 
     def _call(
         self,

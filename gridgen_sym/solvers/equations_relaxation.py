@@ -16,7 +16,7 @@ _DIVERGENCE, _WEAKEST = 1e2, 0.05
 def solve_by_relaxation(
     equations: Equations, coordinates: Array, report: Progress, tolerance: float, limit: int, factor: float | None
 ) -> tuple[bool, str]:
-    """Sweep over four colours of nodes with frozen coefficients; weaker where the residual grows."""
+    """Sweep over four colors of nodes with frozen coefficients; weaker where the residual grows."""
     problem = equations.problem
     _, ni, nj = coordinates.shape
     strength = factor or 2 / (1 + np.sin(np.pi / max(ni, nj)))
@@ -42,9 +42,9 @@ def solve_by_relaxation(
             problem.refresh(coordinates)
         elif norm < safe_norm:
             safe, safe_norm = coordinates.copy(), norm
-        for colour in range(4):
+        for color in range(4):
             problem.kernels.euler_lagrange_relaxation(
-                coordinates, problem.weights(coordinates), problem.fixed, colour, strength, equations.spacing
+                coordinates, problem.weights(coordinates), problem.fixed, color, strength, equations.spacing
             )
         problem.refresh(coordinates)
         before = norm

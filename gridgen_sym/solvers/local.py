@@ -1,6 +1,6 @@
 """The paper's method (Section 3): minimise the energy over one node at a time, sweep after sweep.
 
-A sweep visits the nodes in four colours; nodes of one colour share no corner. Each visit is one damped
+A sweep visits the nodes in four colors; nodes of one color share no corner. Each visit is one damped
 Newton step on the local energy, the sum over the 12 corners that contain the node.
 """
 
@@ -12,7 +12,7 @@ from ..runtime import Array
 from .problem import Problem, converged_message, diverges, jacobian_floor, norm_of
 from .progress import Progress
 
-COLOURS = 4
+COLORS = 4
 
 
 def sweep_until_converged(
@@ -44,12 +44,12 @@ def sweep_until_converged(
         if iteration == max_iterations:
             break
         before = coordinates.copy()
-        for colour in range(COLOURS):
+        for color in range(COLORS):
             problem.kernels.sweep(
                 coordinates,
                 problem.weights(coordinates),
                 problem.fixed,
-                colour,
+                color,
                 floor=floor,
                 interior_only=problem.interior_only,
             )

@@ -107,7 +107,7 @@ EXPORT void coarsen_columns(int64_t ni, int64_t fine_nj, const float *restrict f
       }
 }
 
-/* Cut a stencil's couplings with fixed nodes, whose own block becomes the identity. */
+/* Take fixed nodes out of a stencil: their own blocks, and the couplings with them. */
 EXPORT void decouple(int64_t ni, int64_t nj, double *planes, const uint8_t *fixed) {
   const int64_t plane = ni * nj;
   for (int64_t i = 0; i < ni; ++i)
@@ -117,7 +117,7 @@ EXPORT void decouple(int64_t ni, int64_t nj, double *planes, const uint8_t *fixe
         const int64_t ki = i + k / 3 - 1, kj = j + k % 3 - 1;
         const int outside = ki < 0 || ki >= ni || kj < 0 || kj >= nj;
         if (fixed[n] || outside || fixed[ki * nj + kj])
-          for (int e = 0; e < 4; ++e) planes[(4 * k + e) * plane + n] = k == 4 && (e == 0 || e == 3) ? 1.0 : 0.0;
+          for (int e = 0; e < 4; ++e) planes[(4 * k + e) * plane + n] = 0.0;
       }
     }
 }
@@ -212,14 +212,14 @@ EXPORT void coarsen_columns(int64_t ni, int64_t fine_nj, const float *restrict f
     }
 }
 
-/* Cut a stencil's couplings with fixed nodes, whose own block becomes the identity. */
+/* Take fixed nodes out of a stencil: their own blocks, and the couplings with them. */
 EXPORT void decouple(int64_t ni, int64_t nj, double *planes, const uint8_t *fixed) {
   const int64_t plane = ni * nj;
   static const int di[4] = {1, 0, 1, 1}, dj[4] = {0, 1, 1, -1};
   for (int64_t i = 0; i < ni; ++i)
     for (int64_t j = 0; j < nj; ++j) {
       const int64_t n = i * nj + j;
-      if (fixed[n]) planes[n] = planes[2 * plane + n] = 1.0, planes[plane + n] = 0.0;
+      if (fixed[n]) planes[n] = planes[plane + n] = planes[2 * plane + n] = 0.0;
       for (int k = 0; k < 4; ++k) {
         const int64_t ki = i + di[k], kj = j + dj[k];
         const int outside = ki >= ni || kj < 0 || kj >= nj;
@@ -266,9 +266,9 @@ EXPORT int64_t invert_diagonal(Level *level) {
 
 /* ---- stencil times vector ---- */
 
-/* Sum of the couplings of node n with its 8 neighbours. */
+/* Sum of the couplings of node n with its 8 neighbors. */
 #if GENERAL
-#define NEIGHBOURS(COEFFICIENT, REAL, a, x, y, sx, sy)                                                                       \
+#define NEIGHBORS(COEFFICIENT, REAL, a, x, y, sx, sy)                                                                       \
   REAL sx = 0, sy = 0;                                                                                          \
   for (int k = 0; k < 9; ++k) {                                                                                 \
     const int64_t to = n + (k / 3 - 1) * nj + k % 3 - 1;                                                        \
@@ -279,7 +279,7 @@ EXPORT int64_t invert_diagonal(Level *level) {
     }                                                                                                           \
   }
 #else
-#define NEIGHBOURS(COEFFICIENT, REAL, a, x, y, sx, sy)                                                                       \
+#define NEIGHBORS(COEFFICIENT, REAL, a, x, y, sx, sy)                                                                       \
   REAL sx = 0, sy = 0;                                                                                          \
   {                                                                                                             \
     const int64_t offsets[4] = {nj, 1, nj + 1, nj - 1};                                                         \
@@ -311,7 +311,7 @@ static void multiply(const Level *level, const COEFFICIENT *restrict a, const do
 #pragma omp simd reduction(+ : product)
     for (int64_t j = 1; j < nj - 1; ++j) {
       const int64_t n = i * nj + j;
-      NEIGHBOURS(COEFFICIENT, double, a, x, y, sx, sy)
+      NEIGHBORS(COEFFICIENT, double, a, x, y, sx, sy)
       const double rx = sx + BLOCK(a, 0) * x[n] + BLOCK(a, 1) * y[n];
       const double ry = sy + BLOCK(a, 2) * x[n] + BLOCK(a, 3) * y[n];
       result[n] = rx, result[plane + n] = ry;
@@ -330,7 +330,7 @@ APART void relaxed_values(const float *restrict a, const float *restrict inverse
 #pragma omp simd
   for (int64_t k = 0; k < count; ++k) {
     const int64_t n = begin + k;
-    NEIGHBOURS(float, float, a, x, y, sx, sy)
+    NEIGHBORS(float, float, a, x, y, sx, sy)
     const float rx = right[n] - sx, ry = right[plane + n] - sy;
     to_x[k] = inverse[n] * rx + inverse[plane + n] * ry;
     to_y[k] = inverse[2 * plane + n] * rx + inverse[3 * plane + n] * ry;
@@ -350,12 +350,12 @@ static void smooth_row(const Level *level, int64_t i, int64_t parity) {
   }
 }
 
-static void smooth_colours_of_row(const Level *level, int64_t i, int backwards) {
+static void smooth_colors_of_row(const Level *level, int64_t i, int backwards) {
   smooth_row(level, i, backwards ? 0 : 1);
   smooth_row(level, i, backwards ? 1 : 0);
 }
 
-/* Four colours forwards, or backwards: the two together are a symmetric preconditioner. Every second row goes first, and
+/* Four colors forwards, or backwards: the two together are a symmetric preconditioner. Every second row goes first, and
  * the row between two of them follows as soon as both are done, while the operator's rows are still in the cache. At the
  * ends of a thread's band it waits for the other threads. */
 static void smooth(const Level *level, int backwards) {
@@ -370,12 +370,12 @@ static void smooth(const Level *level, int backwards) {
     const int64_t first = 1 + rows * thread / threads, last = 1 + rows * (thread + 1) / threads;
     for (int64_t i = first; i < last; ++i) {
       if (i % 2 != ahead) continue;
-      smooth_colours_of_row(level, i, backwards);
-      if (i - 1 > first) smooth_colours_of_row(level, i - 1, backwards);
+      smooth_colors_of_row(level, i, backwards);
+      if (i - 1 > first) smooth_colors_of_row(level, i - 1, backwards);
     }
 #pragma omp barrier
-    if (first < last && first % 2 != ahead) smooth_colours_of_row(level, first, backwards);
-    if (first < last - 1 && (last - 1) % 2 != ahead) smooth_colours_of_row(level, last - 1, backwards);
+    if (first < last && first % 2 != ahead) smooth_colors_of_row(level, first, backwards);
+    if (first < last - 1 && (last - 1) % 2 != ahead) smooth_colors_of_row(level, last - 1, backwards);
   }
 }
 
@@ -388,7 +388,7 @@ static void compute_residual(const Level *level) {
 #pragma omp simd
     for (int64_t j = 1; j < nj - 1; ++j) {
       const int64_t n = i * nj + j;
-      NEIGHBOURS(float, float, a, x, y, sx, sy)
+      NEIGHBORS(float, float, a, x, y, sx, sy)
       residual[n] = right[n] - sx - BLOCK(a, 0) * x[n] - BLOCK(a, 1) * y[n];
       residual[plane + n] = right[plane + n] - sy - BLOCK(a, 2) * x[n] - BLOCK(a, 3) * y[n];
     }

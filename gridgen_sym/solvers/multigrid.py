@@ -33,12 +33,12 @@ class _Layout(NamedTuple):
 
     Attributes:
         planes: their number.
-        centre: the entry xx of a node's block with itself.
+        center: the entry xx of a node's block with itself.
         couplings: the entries xx and yy of the block with the next node along xi, and of that along eta.
     """
 
     planes: int
-    centre: int
+    center: int
     couplings: tuple[tuple[int, int], tuple[int, int]]
 
 
@@ -102,7 +102,7 @@ class _Hierarchy:
         """
         self._library.decouple(*self._fixed.shape, planes.ctypes.data, self._fixed.ctypes.data)
         self._operator = planes
-        self._size = size = float(np.abs(planes[self._layout.centre]).mean())
+        self._size = size = float(np.abs(planes[self._layout.center]).mean())
         if not 0 < size < np.inf:
             return False
         if not self._arrays:

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from ..runtime import Array, Mask
 
-#: Neighbours whose blocks the Hessian stores, and the first of their planes.
-_HESSIAN_NEIGHBOURS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
+#: Neighbors whose blocks the Hessian stores, and the first of their planes.
+_HESSIAN_NEIGHBORS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
 
 
 def number_free_nodes(fixed: Mask) -> npt.NDArray[np.int64]:
@@ -31,7 +31,7 @@ def assemble_hessian(planes: Array, fixed: Mask) -> Any:  # noqa: ANN401 - scipy
     entries = _Entries(numbers)
     for plane, row, column in ((0, 0, 0), (1, 0, 1), (1, 1, 0), (2, 1, 1)):
         entries.add(planes[plane], (0, 0), row, column)
-    for (di, dj), first in _HESSIAN_NEIGHBOURS:
+    for (di, dj), first in _HESSIAN_NEIGHBORS:
         for entry in range(4):
             row, column = divmod(entry, 2)
             entries.add(planes[first + entry], (di, dj), row, column, symmetric=True)
@@ -41,16 +41,16 @@ def assemble_hessian(planes: Array, fixed: Mask) -> Any:  # noqa: ANN401 - scipy
 def assemble_jacobian(planes: Array, fixed: Mask) -> Any:  # noqa: ANN401
     """Return the Jacobian of the Euler-Lagrange residual over the free nodes (CSC) from its planes (36, ni, nj)."""
     entries = _Entries(number_free_nodes(fixed))
-    for neighbour in range(9):
-        di, dj = divmod(neighbour, 3)
+    for neighbor in range(9):
+        di, dj = divmod(neighbor, 3)
         for entry in range(4):
             row, column = divmod(entry, 2)
-            entries.add(planes[4 * neighbour + entry], (di - 1, dj - 1), row, column)
+            entries.add(planes[4 * neighbor + entry], (di - 1, dj - 1), row, column)
     return entries.matrix()
 
 
 class _Entries:
-    """Collects (row, column, value) of couplings between a node and a shifted neighbour, both free."""
+    """Collects (row, column, value) of couplings between a node and a shifted neighbor, both free."""
 
     def __init__(self, numbers: npt.NDArray[np.int64]) -> None:
         self._numbers = numbers

@@ -6,6 +6,10 @@ zero), a rotation of the physical plane brings v to the x-axis, and then with re
     g1 = (m k1 - l k2, -n k2),   g2 = (m k2 + l k1, n k1),   J = m n |k|².
 
 There the symbol's determinant is often a product of sums of squares, which proves that it is positive.
+
+Without a proof, random jets decide. On the circle k = (cos(phi/2), sin(phi/2)) the entries of A are
+alpha + beta cos(phi) + gamma sin(phi), so that det A has at most two minima and two maxima, which Newton's method
+finds from a grid of angles: a direction with det A = 0 is not missed, as a random one would be.
 """
 
 from __future__ import annotations
@@ -21,7 +25,7 @@ from sympy import Expr, Symbol
 
 from ..functionals.metric import symbol
 from .coordinates import FIRST_DERIVATIVES, METRIC, J, epsilon, expand_metric, g11, g12, g22, x_eta, x_xi, y_eta, y_xi
-from .definiteness import SAMPLES, almost_everywhere, is_nonnegative, is_positive, without_functions
+from .definiteness import almost_everywhere, is_nonnegative, is_positive, without_functions
 from .discrete import hessian
 
 k1, k2 = symbol("k1"), symbol("k2")
@@ -31,6 +35,12 @@ _m, _n, _p, _r = (sympy.Dummy(name, positive=True) for name in "mnpr")
 #: More operations than this in a matrix, and no proof is tried: it would take minutes.
 _PROOF_LIMIT = 1200
 _ROUND_OFF = 1e-9
+#: A minimum of |det A|/|A|² this small, at this share of the moderate jets, is a zero.
+_ZERO, _SHARE = 1e-12, 0.1
+#: Random jets: so many of moderate size and shape, then as many of any.
+_JETS = 2000
+_ANGLES = 64
+_NEWTON_STEPS = 15
 
 Type = Literal["elliptic", "weakly elliptic", "degenerate", "changing type"]
 
@@ -42,15 +52,15 @@ class Ellipticity:
     Attributes:
         type: `elliptic`: det A(k) is not zero for any real k other than zero; `weakly elliptic`: it is nowhere
             negative but zero for some k; `degenerate`: it is zero for all k; `changing type`: it takes both signs.
-        proof: `proved` by algebra; `refuted`: not elliptic, by the exact `witness`; `sampled` at random points.
+        proof: `proved` by algebra; `refuted`: not elliptic, by the exact `witness`; `sampled` at random jets.
         witness: for `changing type`, rational values with J > 0 at which det A is negative.
-        samples: number of random points that were tried.
+        samples: number of random jets that were tried, each for all k.
     """
 
     type: Type
     proof: Literal["proved", "refuted", "sampled"]
     witness: tuple[tuple[Symbol, Expr], ...] = ()
-    samples: int = SAMPLES
+    samples: int = 2 * _JETS
 
 
 def principal_symbol(density: Expr) -> sympy.Matrix:
@@ -112,13 +122,37 @@ def _metric_basis() -> sympy.polys.polytools.GroebnerBasis:
     return sympy.groebner(relations, _p, _q, _r, J, g12, g11, g22, order="lex")
 
 
+@dataclass(frozen=True, slots=True)
+class _Extremes:
+    """The least and the greatest det A/|A|² over all k at each jet, the k of the least, and where det A is zero."""
+
+    symbols: list[Symbol]
+    jets: NDArray[np.float64]
+    least: NDArray[np.float64]
+    greatest: NDArray[np.float64]
+    angle: NDArray[np.float64]
+    moderate: NDArray[np.bool_]
+
+    @property
+    def sign(self) -> int:
+        """Return the sign of det A, if it has one."""
+        return 1 if (self.greatest > _ROUND_OFF).any() else -1
+
+    @property
+    def type(self) -> Type:
+        """Return the type that the jets show."""
+        if not self.least.size:
+            return "elliptic"
+        positive, negative = bool((self.greatest > _ROUND_OFF).any()), bool((self.least < -_ROUND_OFF).any())
+        if positive == negative:
+            return "changing type" if positive else "degenerate"
+        size = (self.least if positive else -self.greatest)[self.moderate]
+        return "weakly elliptic" if size.size and (size <= _ZERO).mean() > _SHARE else "elliptic"
+
+
 def sampled_type(matrix: sympy.Matrix) -> Type:
-    """Return the type as random points with J > 0 show it, without a proof: enough to choose a solver by."""
-    values, _, _ = _sample(matrix)
-    positive, negative = bool((values > _ROUND_OFF).any()), bool((values < -_ROUND_OFF).any())
-    if positive and negative:
-        return "changing type"
-    return "elliptic" if positive or negative or not values.size else "degenerate"
+    """Return the type as random jets with J > 0 show it, without a proof: enough to choose a solver by."""
+    return _extremes(matrix).type
 
 
 def ellipticity(matrix: sympy.Matrix, *, rotates: bool, turns: bool, positive: tuple[Symbol, ...]) -> Ellipticity:
@@ -130,31 +164,57 @@ def ellipticity(matrix: sympy.Matrix, *, rotates: bool, turns: bool, positive: t
         turns: whether it is also invariant under rotation of (xi, eta), so that k = (1, 0) stands for all.
         positive: symbols with positive values, such as the weight.
     """
-    values, points, symbols = _sample(matrix)
-    signs = {sign for sign in (-1, 1) if (sign * values > _ROUND_OFF).any()}
-    if not signs and not values.size:
+    found = _extremes(matrix)
+    if not found.least.size:
         return Ellipticity("elliptic", "sampled", samples=0)
-    if len(signs) == 2:
-        witness = _witness(matrix, symbols, points[:, np.argsort(values)[:50]])
+    if found.type == "changing type":
+        witness = _witness(matrix, found)
         return Ellipticity("changing type", "refuted" if witness else "sampled", witness)
     charts = _charts(matrix, turns=turns) if rotates else _raw_charts(matrix)
-    if not signs:
-        zero = charts is not None and all(chart == 0 for chart in charts)
-        return Ellipticity("degenerate", "proved" if zero else "sampled")
     if charts is None:
-        return Ellipticity("elliptic", "sampled")
-    sign = signs.pop()
-    proved = [_is_positive(sign * chart, positive) for chart in charts]
-    if any(chart == 0 for chart in charts):
-        known = all(is_nonnegative(sign * chart, (*positive, *_positive_in(chart))) for chart in charts)
+        return Ellipticity(found.type, "sampled")
+    if all(_is_constant(chart) for chart in charts):
+        return Ellipticity(_exact_type(charts), "proved")
+    return _proved(found, charts, positive)
+
+
+def _proved(found: _Extremes, charts: list[Expr], positive: tuple[Symbol, ...]) -> Ellipticity:
+    """Return what the factors of the charts prove, and else what the jets show."""
+    signed = [(found.sign * chart, (*positive, *_positive_in(chart))) for chart in charts]
+    if all(is_positive(chart, symbols) for chart, symbols in signed):
+        return Ellipticity("elliptic", "proved")
+    if any(_has_zero(chart) for chart in charts):
+        known = all(is_nonnegative(chart, symbols) for chart, symbols in signed)
         return Ellipticity("weakly elliptic", "proved" if known else "sampled")
-    return Ellipticity("elliptic", "proved" if all(proved) else "sampled")
+    return Ellipticity(found.type, "sampled")
 
 
-def _is_positive(chart: Expr, positive: tuple[Symbol, ...]) -> bool:
-    if chart.free_symbols <= {_t} and sympy.Poly(chart, _t).count_roots() == 0:
-        return bool(chart.subs(_t, 0) > 0)
-    return is_positive(chart, (*positive, *_positive_in(chart)))
+def _is_constant(chart: Expr) -> bool:
+    """Return whether a chart is a polynomial in t alone with rational coefficients."""
+    return bool(
+        chart.free_symbols <= {_t}
+        and chart.is_polynomial(_t)
+        and all(coefficient.is_Rational for coefficient in sympy.Poly(chart, _t).coeffs())
+    )
+
+
+def _exact_type(charts: list[Expr]) -> Type:
+    """Return the type where the coefficients are constant, from the multiplicities of the real roots."""
+    if all(chart == 0 for chart in charts):
+        return "degenerate"
+    _, factors = sympy.Poly(charts[0], _t).factor_list()
+    multiplicities = [power for factor, power in factors if factor.count_roots()]
+    if any(power % 2 for power in multiplicities):
+        return "changing type"
+    return "weakly elliptic" if multiplicities or any(chart == 0 for chart in charts) else "elliptic"
+
+
+def _has_zero(chart: Expr) -> bool:
+    """Return whether a chart is zero, or has a factor in t alone with a real root."""
+    _, factors = sympy.factor_list(sympy.numer(chart))
+    return chart == 0 or any(
+        _is_constant(factor) and factor.has(_t) and sympy.Poly(factor, _t).count_roots() for factor, _ in factors
+    )
 
 
 def _positive_in(expression: Expr) -> tuple[Symbol, ...]:
@@ -192,26 +252,67 @@ def _determinant_of(matrix: sympy.Matrix) -> Expr:
     return sympy.factor(rational.applyfunc(sympy.cancel).det())
 
 
-def _sample(matrix: sympy.Matrix) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Symbol]]:
-    """Return det A relative to |A|² at random points with J > 0, the points, and their symbols."""
-    symbols = sorted({*FIRST_DERIVATIVES, *expand_metric_of(matrix).free_symbols, k1, k2}, key=str)
-    random = np.random.default_rng(0)
-    points = random.normal(size=(len(symbols), SAMPLES))
-    row = {str(variable): points[i] for i, variable in enumerate(symbols)}
-    for variable, values in zip(symbols, points, strict=True):
-        if variable not in (*FIRST_DERIVATIVES, k1, k2):
-            np.abs(values, out=values)
-    folded = row["x_xi"] * row["y_eta"] < row["x_eta"] * row["y_xi"]
-    size = np.exp(random.normal(size=SAMPLES))
-    for name in ("x_xi", "y_xi", "x_eta", "y_eta"):
-        row[name] *= np.where(folded & name.endswith("_eta"), -size, size) if name.endswith("_eta") else size
+def _extremes(matrix: sympy.Matrix) -> _Extremes:
+    """Return the extremes of det A over the circle of k at random jets with J > 0."""
+    matrix = expand_metric_of(matrix)
+    symbols = sorted({*FIRST_DERIVATIVES, *matrix.free_symbols} - {k1, k2}, key=str)
+    jets = _random_jets(symbols)
+    evaluate = sympy.lambdify((*symbols, k1, k2), [matrix[0, 0], matrix[0, 1], matrix[1, 1]], "numpy", cse=True)
     with np.errstate(all="ignore"):
-        evaluate = sympy.lambdify(symbols, list(expand_metric_of(matrix)), "numpy", cse=True)
-        a, b, c, d = (np.broadcast_to(entry, SAMPLES) for entry in evaluate(*points))
-        scale = np.maximum(np.maximum(np.abs(a), np.abs(d)), np.abs(b)) ** 2
-        relative = (a * d - b * c) / np.where(scale > 0, scale, 1)
-    finite = np.isfinite(relative) & (scale < 1e100)
-    return relative[finite], points[:, finite], symbols
+        first, second, both = (
+            np.stack([np.broadcast_to(entry, 2 * _JETS) for entry in evaluate(*jets, *k)])
+            for k in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
+        )
+        # The entries of A at k = (cos(phi/2), sin(phi/2)): parts[0] + parts[1] cos(phi) + parts[2] sin(phi).
+        parts = np.stack([(first + second) / 2, (first - second) / 2, (both - first - second) / 2])
+        scale = np.abs(parts).sum(axis=0).max(axis=0)
+        finite = np.isfinite(scale) & (scale < 1e50)
+        parts = parts[:, :, finite] / np.where(scale > 0, scale, 1)[finite]
+    least, angle = _minimum(parts, 1)
+    greatest, _ = _minimum(parts, -1)
+    return _Extremes(symbols, jets[:, finite], least, -greatest, angle, (np.arange(2 * _JETS) < _JETS)[finite])
+
+
+def _random_jets(symbols: list[Symbol]) -> NDArray[np.float64]:
+    """Return values of the symbols, one column for each jet: J > 0, and all else positive."""
+    random = np.random.default_rng(0)
+    values = np.abs(random.normal(size=(len(symbols), 2 * _JETS)))
+    jacobian = random.normal(size=(2, 2, 2 * _JETS)) * np.exp(random.normal(size=2 * _JETS))
+    jacobian[:, 1] *= np.where(jacobian[0, 0] * jacobian[1, 1] < jacobian[0, 1] * jacobian[1, 0], -1, 1)
+    # A conformal map of size 1, plus less than half of it in each of the two ways to be another one.
+    angle, turn = random.uniform(0, 2 * np.pi, size=(2, _JETS))
+    stretch, size = random.uniform(0, 0.5, size=_JETS), random.uniform(0.8, 1.25, size=_JETS)
+    conformal = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    mirrored = np.array([[np.cos(turn), np.sin(turn)], [np.sin(turn), -np.cos(turn)]])
+    jacobian[:, :, :_JETS] = size * (conformal + stretch * mirrored)
+    for variable, row in zip((x_xi, x_eta, y_xi, y_eta), jacobian.reshape(4, -1), strict=True):
+        values[symbols.index(variable)] = row
+    return values
+
+
+def _minimum(parts: NDArray[np.float64], sign: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the minimum of sign * det A over phi at each jet, and the phi, by Newton's method from two angles."""
+    grid = np.linspace(0, 2 * np.pi, _ANGLES, endpoint=False)[:, None]
+    values = sign * _determinants(parts, grid)[0]
+    valley = (values <= np.roll(values, 1, axis=0)) & (values <= np.roll(values, -1, axis=0))
+    phi = grid[np.where(valley, values, np.inf).argsort(axis=0)[:2], 0]
+    best, where = np.full(phi.shape, np.inf), phi
+    for _ in range(_NEWTON_STEPS):
+        value, slope, bend = (sign * part for part in _determinants(parts, phi))
+        best, where = np.minimum(best, value), np.where(value < best, phi, where)
+        step = np.divide(slope, np.abs(bend), out=np.zeros_like(slope), where=np.abs(bend) > np.abs(slope))
+        phi = phi - step
+    lower = best.argmin(axis=0)[None]
+    return np.take_along_axis(best, lower, 0)[0], np.take_along_axis(where, lower, 0)[0]
+
+
+def _determinants(parts: NDArray[np.float64], phi: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Return det A and its first and second derivative in phi; A is symmetric."""
+    cos, sin = np.cos(phi), np.sin(phi)
+    (a, b, d) = (parts[0, i] + parts[1, i] * cos + parts[2, i] * sin for i in range(3))
+    (a1, b1, d1) = (parts[2, i] * cos - parts[1, i] * sin for i in range(3))
+    (a2, b2, d2) = (parts[0, i] - entry for i, entry in enumerate((a, b, d)))
+    return a * d - b * b, a1 * d + a * d1 - 2 * b * b1, a2 * d + 2 * a1 * d1 + a * d2 - 2 * (b1 * b1 + b * b2)
 
 
 def expand_metric_of(matrix: sympy.Matrix) -> sympy.Matrix:
@@ -219,13 +320,19 @@ def expand_metric_of(matrix: sympy.Matrix) -> sympy.Matrix:
     return matrix.applyfunc(expand_metric)
 
 
-def _witness(
-    matrix: sympy.Matrix, symbols: list[Symbol], points: NDArray[np.float64]
-) -> tuple[tuple[Symbol, Expr], ...]:
-    """Return the first of the points, rounded to rationals, at which J > 0 and det A < 0 hold exactly."""
+def _witness(matrix: sympy.Matrix, found: _Extremes) -> tuple[tuple[Symbol, Expr], ...]:
+    """Return the first of the lowest points, rounded to rationals, at which J > 0 and det A < 0 hold exactly."""
+    lowest = np.argsort(found.least)[:50]
+    phi, symbols = found.angle[lowest], [*found.symbols, k1, k2]
+    points = np.concatenate([found.jets[:, lowest], 2 * np.stack([np.cos(phi / 2), np.sin(phi / 2)])])
+    matrix = expand_metric_of(matrix)
+    evaluate = sympy.lambdify(symbols, matrix[0, 0] * matrix[1, 1] - matrix[0, 1] ** 2, "numpy", cse=True)
     for digits in (1, 10, 1000):
-        for point in points.T:
-            values = {s: sympy.Rational(round(float(v) * digits), digits) for s, v in zip(symbols, point, strict=True)}
+        whole = np.round(points * digits)
+        with np.errstate(all="ignore"):
+            below = np.broadcast_to(evaluate(*(whole / digits)) < 0, lowest.shape)
+        for point in whole.T[below]:
+            values = {variable: sympy.Rational(int(n), digits) for variable, n in zip(symbols, point, strict=True)}
             if any(values[s] <= 0 for s in symbols if s not in (*FIRST_DERIVATIVES, k1, k2)):
                 continue
             if METRIC[J].subs(values) > 0 and _determinant_at(matrix, values) < 0:
@@ -235,5 +342,5 @@ def _witness(
 
 def _determinant_at(matrix: sympy.Matrix, values: dict[Symbol, Expr]) -> Expr:
     """Return det A at a point, exactly, or to 30 digits where the density has functions."""
-    value = expand_metric_of(matrix).subs(values).det()
+    value = matrix.subs(values).det()
     return value if value.is_Rational else sympy.re(value.evalf(30))

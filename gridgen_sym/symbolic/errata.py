@@ -54,22 +54,20 @@ class Erratum:
     Attributes:
         key: its name.
         natures: the findings that show it.
-        functionals: the functionals in whose equations it stands; empty for an equation without one.
+        equations: the keys of the equations where it stands; the same error elsewhere is a discovery.
         differences: text of the differences that show it; empty where the nature says enough.
         text: the explanation.
     """
 
     key: str
     natures: tuple[Nature, ...]
-    functionals: tuple[str, ...]
+    equations: tuple[str, ...]
     differences: tuple[str, ...]
     text: str
 
-    def explains(self, functional: str | None, finding: Finding) -> bool:
-        """Return whether a finding is this erratum."""
-        if finding.nature not in self.natures or (
-            functional not in self.functionals and (functional or self.functionals)
-        ):
+    def explains(self, equation: str, finding: Finding) -> bool:
+        """Return whether a finding at an equation, given by its key, is this erratum."""
+        if finding.nature not in self.natures or equation not in self.equations:
             return False
         return not self.differences or any(
             sympy.expand(expand_metric(read(text) - finding.difference)) == 0 for text in self.differences
@@ -77,54 +75,66 @@ class Erratum:
 
 
 ERRATA = (
-    Erratum("E1", ("null Lagrangian",), ("area",), ("J - J**2/2",), "the integral of J itself is the null Lagrangian"),
-    Erratum("E2", ("exchanged",), ("area",), ("1", "-1"), "the two divergence equations are exchanged, up to sign"),
+    Erratum(
+        "E1",
+        ("null Lagrangian",),
+        ("area-integral-2",),
+        ("J - J**2/2",),
+        "the integral of J itself is the null Lagrangian",
+    ),
+    Erratum(
+        "E2",
+        ("exchanged",),
+        ("area-divergence-1", "area-divergence-2"),
+        ("1", "-1"),
+        "the two divergence equations are exchanged, up to sign",
+    ),
     Erratum(
         "E3",
         ("other",),
-        ("area",),
+        ("area-expanded-2",),
         ("x_etaeta*y_xi*(x_xi - y_xi)",),
         "the last term is printed -y_xi*y_xi*x_etaeta; it must be -x_xi*y_xi*x_etaeta",
     ),
     Erratum(
         "E4",
         ("multiple",),
-        ("knupp",),
+        ("knupp-expanded-1", "knupp-expanded-2"),
         ("2",),
         "the printed equations are those of g11*g22/2, twice those of the combination of the integrals as printed",
     ),
     Erratum(
         "E5",
         ("reversed",),
-        (),
+        ("jacobian-k2", "jacobian-k4"),
         ("-1",),
         "with vectors pointing away from node k, two of the four Jacobians of a valid grid are negative",
     ),
     Erratum(
         "E6",
         ("unbounded where folded", "finite where folded"),
-        ("winslow", "modified_liao"),
+        ("winslow-unfolded", "winslow-bounded", "modified-liao-unfolded"),
         (),
         "the claim holds only while every J > 0: a folded start stands on the wrong side of the barrier",
     ),
-    Erratum("E7", ("square",), (), (), "g11 + g22 is the square of the Frobenius norm"),
+    Erratum("E7", ("square",), ("frobenius-norm",), (), "g11 + g22 is the square of the Frobenius norm"),
     Erratum(
         "E8",
         ("negative weight",),
-        ("area",),
+        ("weight-2",),
         (),
         "where the weight is negative, the weighted Area energy is unbounded below",
     ),
     Erratum(
         "E9",
         ("multiple of the integral",),
-        ("area", "length", "orthogonality", "combined"),
+        ("area-sum", "length-sum", "orthogonality-sum", "combined-sum"),
         ("2",),
         "the integral has the factor 1/2, the sum has not",
     ),
 )
 
 
-def find_erratum(functional: str | None, finding: Finding) -> Erratum | None:
-    """Return the erratum that explains a finding, or None for agreement and for a new discovery."""
-    return next((erratum for erratum in ERRATA if erratum.explains(functional, finding)), None)
+def find_erratum(equation: str, finding: Finding) -> Erratum | None:
+    """Return the erratum that explains a finding at an equation, or None for agreement and for a discovery."""
+    return next((erratum for erratum in ERRATA if erratum.explains(equation, finding)), None)

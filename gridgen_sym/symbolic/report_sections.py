@@ -9,6 +9,7 @@ import sympy
 from sympy import Expr
 
 from ..functionals.definition import Functional
+from .bounds import LowerBound
 from .classify import Classification, classify
 from .continuous import EulerLagrange, euler_lagrange
 from .coordinates import FIRST_DERIVATIVES, SECOND_DERIVATIVES, Variant, s
@@ -124,9 +125,19 @@ def _classification(found: Classification) -> Iterator[Item]:
         f"Invariant under translation: {_yes(found.translation)}; rotation: {_yes(found.rotation)}; "
         f"exchange of xi and eta: {_yes(found.exchange)}."
     )
-    first, second = found.reparametrization_degrees
-    yield f"Degree of scaling: {found.scaling_degree}; in g1 alone: {first}; in g2 alone: {second}."
-    yield f"Lower bound: {found.lower_bound.value} ({found.lower_bound.proof})."
+    degree, first, second = (_degree(value) for value in (found.scaling_degree, *found.reparametrization_degrees))
+    yield f"Degree of scaling: {degree}; in g1 alone: {first}; in g2 alone: {second}."
+    yield f"Lower bound: {_bound(found.lower_bound)}."
+
+
+def _degree(value: Expr | None) -> str:
+    return "not homogeneous" if value is None else str(value)
+
+
+def _bound(bound: LowerBound) -> str:
+    if bound.value is not None:
+        return f"{bound.value} ({bound.proof})"
+    return "none, unbounded below by scaling" if bound.proof == "refuted" else "none found"
 
 
 def _yes(answer: bool) -> str:

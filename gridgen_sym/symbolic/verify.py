@@ -1,7 +1,7 @@
 """Compare every printed equation of the paper with the project's own derivation.
 
-Errata are not looked up by the name of an equation: a comparison finds what differs, and `errata` says which
-known erratum that is. What differs without being known is a discovery.
+A comparison finds what differs, without knowing what to expect; `errata` then says which known erratum that is, if it
+is one known at this equation. What differs without being known is a discovery.
 """
 
 from __future__ import annotations
@@ -38,6 +38,11 @@ class Verdict:
     text: str
 
     @property
+    def is_plain(self) -> bool:
+        """Return whether it agrees without an erratum and without a condition such as J > 0."""
+        return self.agrees and self.erratum is None and self.status.startswith("agrees")
+
+    @property
     def is_discovery(self) -> bool:
         """Return whether it differs, if only by a factor, without a known erratum."""
         return self.erratum is None and (not self.agrees or self.status == "agrees up to a factor")
@@ -67,7 +72,7 @@ def verify(printed: Iterable[PrintedEquation] = PRINTED) -> tuple[Verdict, ...]:
 
 def _verdict(equation: PrintedEquation) -> Verdict:
     finding = _COMPARE[equation.kind](equation)
-    erratum = find_erratum(equation.functional, finding)
+    erratum = find_erratum(equation.key, finding)
     text = finding.text
     if erratum is not None:
         text = f"{erratum.text} ({finding.text})"

@@ -2,14 +2,66 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
+
 import pytest
 
 from gridgen_sym.codegen import generate
 from gridgen_sym.codegen.generate import check_generated, write_generated
 from gridgen_sym.codegen.kernel import Source
+from gridgen_sym.resources import resource_folder
+
+# ---- all of generated/ ----
+
+_DERIVE = """
+import json, time
+from gridgen_sym.codegen.generate import all_sources
+print(json.dumps([[(source.path, source.text) for source in all_sources()], time.process_time()]))
+"""
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(scope="module")
+def derived():
+    """Every source and the time that it took, from new processes with two hash seeds: nothing is derived there yet."""
+    started = [
+        subprocess.Popen(
+            [sys.executable, "-c", _DERIVE],
+            stdout=subprocess.PIPE,
+            env=os.environ | {"PYTHONHASHSEED": seed},
+        )
+        for seed in ("0", "1")
+    ]
+    told = [process.communicate(timeout=300)[0] for process in started]
+    assert [process.returncode for process in started] == [0, 0]
+    return [json.loads(text) for text in told]
+
+
+def test_all_of_generated_is_the_committed_bytes(derived, monkeypatch):
+    sources = [Source(path, text) for path, text in derived[0][0]]
+    monkeypatch.setattr(generate, "all_sources", lambda: sources)
+    assert check_generated() == ""
+    folder = resource_folder("generated")
+    assert [one.path for one in sources if (folder / one.path).read_bytes() != one.text.encode()] == []
+
+
+def test_no_source_depends_on_the_hash_seed(derived):
+    one, other = (dict(sources) for sources, _ in derived)
+    assert len(one) >= 36
+    assert [path for path in one | other if one.get(path) != other.get(path)] == []
+
+
+def test_all_of_generated_is_made_within_30_seconds(derived):
+    """Of a processor: what runs beside the tests does not count."""
+    assert min(seconds for _, seconds in derived) < 30
+
+
+# ---- the files ----
+
+
+@pytest.fixture
 def few_functionals(monkeypatch):
     """Derive only two functionals, and no documents: what is tested here is the files."""
     monkeypatch.setattr(generate, "functionals", lambda: ("length", "area"))
@@ -19,7 +71,7 @@ def few_functionals(monkeypatch):
 
 
 @pytest.fixture
-def written(tmp_path):
+def written(tmp_path, few_functionals):
     changed = write_generated(tmp_path)
     assert {path.relative_to(tmp_path).as_posix() for path in changed} == {
         "c/length.c", "c/area.c", "c/area_frozen.c", "c/area_differentiated.c",

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from gridgen_sym.errors import GridgenError
-from gridgen_sym.grids import Grid, domain, known_suffixes, plot3d, read, tables, vtk, write
+from gridgen_sym.grids import Grid, Outline, domain, known_suffixes, plot3d, read, tables, vtk, write
 
 DATA = Path(__file__).parent / "data"
 CODECS = {
@@ -146,6 +146,52 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypat
     monkeypatch.undo()
     assert [p.name for p in tmp_path.iterdir()] == ["grid.csv"]
     assert read(path) == SWAN
+
+
+OUTLINE = Outline([[0, 0], [1, 0], [1, 1], [0, 1]], (0, 1, 2, 3), "box")
+each_writer = pytest.mark.parametrize(
+    ("thing", "name"), [(SWAN, f"grid{suffix}") for suffix in CODECS] + [(OUTLINE, "outline.csv")]
+)
+
+
+@each_writer
+@pytest.mark.parametrize("code", [errno.EACCES, errno.EROFS, errno.EPERM])
+def test_a_folder_closed_to_us_is_an_error(tmp_path, monkeypatch, thing, name, code):
+    """Nobody is kept from root's own folders, so that the refusal is played."""
+
+    def refuse(path, mode="r", *_):
+        assert mode == "xb"
+        raise OSError(code, os.strerror(code), path)
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(GridgenError) as caught:
+        thing.write(tmp_path / name)
+    assert f"cannot write {tmp_path / name}: {os.strerror(code)}; check the permissions" in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+@each_writer
+@pytest.mark.parametrize("folder", ["/sys", "/proc", "/dev/null", __file__])
+def test_a_folder_that_takes_no_files_is_an_error_even_for_root(thing, name, folder):
+    if not os.path.exists(folder):
+        pytest.skip(f"{folder} is not here")
+    with pytest.raises(GridgenError, match=f"cannot write {folder}/{name}: .*(check the permissions|make it first)"):
+        thing.write(Path(folder) / name)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="permissions do not bind root")
+@each_writer
+def test_permissions_that_forbid_are_told(tmp_path, thing, name):
+    thing.write(tmp_path / name)
+    (tmp_path / name).chmod(0)
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(GridgenError, match=r"cannot write .*: Permission denied; check the permissions"):
+            thing.write(tmp_path / name)
+        with pytest.raises(GridgenError, match=r"cannot read .*: Permission denied; check its permissions"):
+            (read if thing is SWAN else Outline.read)(tmp_path / name)
+    finally:
+        tmp_path.chmod(0o700)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX permissions and links")

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support import NO_SHARED, SHARED
 
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.grids import Outline, quality
 
 REPOSITORY = Path(__file__).parents[2]
 EXAMPLES = sorted((REPOSITORY / "examples" / "outlines").glob("*.csv"))
-SHARED = REPOSITORY.parent / "shared" / "domains" / "outlines"
+OUTLINES = SHARED / "domains" / "outlines"
 
 SQUARE = np.array([[0, 0], [1, 0], [2, 0], [2, 2], [0, 2], [0, 1.5]], dtype=float)
 CORNERS = (0, 2, 3, 4)
@@ -259,9 +260,9 @@ def test_examples_can_be_gridded(path):
     assert report.folded_cells == expected[outline.name]
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of shared outlines is missing")
+@pytest.mark.skipif(not OUTLINES.is_dir(), reason=NO_SHARED.format("domains/outlines"))
 def test_all_shared_outlines_are_accepted():
-    paths = [path for path in sorted(SHARED.glob("*.csv")) if path.stem != "index"]
+    paths = [path for path in sorted(OUTLINES.glob("*.csv")) if path.stem != "index"]
     assert len(paths) == 12
     for path in paths:
         assert quality(Outline.read(path).grid(33, 33)).mean_jacobian > 0

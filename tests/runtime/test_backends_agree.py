@@ -48,20 +48,20 @@ def results(kernel_set, xy, weight, fixed):
         for semidefinite in (False, True):
             planes = kernel_set.hessian(xy, weight, semidefinite=semidefinite, interior_only=inner)
             yield f"hessian {semidefinite} {inner}", planes
-        for colour in range(4):
+        for color in range(4):
             for floor in (FOLDING, 0.0):
                 swept = xy.copy()
-                kernel_set.sweep(swept, weight, fixed, colour, floor=floor, interior_only=inner)
-                yield f"sweep {colour} {floor} {inner}", swept
+                kernel_set.sweep(swept, weight, fixed, color, floor=floor, interior_only=inner)
+                yield f"sweep {color} {floor} {inner}", swept
     if kernel_set.variant == "regularized":
         return
     yield "residual", kernel_set.euler_lagrange_residual(xy, weight, SPACING)
     for frozen in (False, True):
         yield f"jacobian {frozen}", kernel_set.euler_lagrange_jacobian(xy, weight, SPACING, frozen=frozen)
-    for colour in range(4):
+    for color in range(4):
         relaxed = xy.copy()
-        kernel_set.euler_lagrange_relaxation(relaxed, weight, fixed, colour, 0.9, SPACING)
-        yield f"relaxation {colour}", relaxed
+        kernel_set.euler_lagrange_relaxation(relaxed, weight, fixed, color, 0.9, SPACING)
+        yield f"relaxation {color}", relaxed
 
 
 def objections(compiled, plain, xy, weight, fixed):
@@ -96,18 +96,18 @@ def test_c_equals_numpy(case):
 @pytest.mark.usefixtures("threads")
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 @pytest.mark.parametrize("case", [("winslow", "plain"), ("area", "differentiated"), ("length", "plain")], ids=case_name)
-def test_sweeps_move_free_nodes_of_their_colour_and_no_others(case, backend):
+def test_sweeps_move_free_nodes_of_their_color_and_no_others(case, backend):
     kernels = kernel_set(*case, backend)
     xy, weight = random_grid(7, 8), random_weight(len(kernels.weight_planes), 7, 8)
     fixed = np.zeros((7, 8), dtype=np.uint8)
     fixed[3, 4] = fixed[2, 2] = 1
     i, j = np.meshgrid(np.arange(7), np.arange(8), indexing="ij")
     inside = (i > 0) & (i < 6) & (j > 0) & (j < 7) & (fixed == 0)
-    for colour in range(4):
+    for color in range(4):
         swept, relaxed = xy.copy(), xy.copy()
-        kernels.sweep(swept, weight, fixed, colour, floor=0.0)
-        kernels.euler_lagrange_relaxation(relaxed, weight, fixed, colour, 0.9)
-        own = inside & (i % 2 + 2 * (j % 2) == colour)
+        kernels.sweep(swept, weight, fixed, color, floor=0.0)
+        kernels.euler_lagrange_relaxation(relaxed, weight, fixed, color, 0.9)
+        own = inside & (i % 2 + 2 * (j % 2) == color)
         for moved in (swept, relaxed):
             assert np.array_equal((moved != xy).any(axis=0), own)
 
@@ -118,8 +118,8 @@ def test_a_sweep_lowers_the_energy(case):
     kernels = kernel_set(*case, "c")
     xy, weight = random_grid(9, 9, noise=noise_of(case[1])), random_weight(len(kernels.weight_planes), 9, 9)
     before = kernels.energy(xy, weight)[0]
-    for colour in range(4):
-        kernels.sweep(xy, weight, np.zeros((9, 9), dtype=np.uint8), colour, floor=FOLDING)
+    for color in range(4):
+        kernels.sweep(xy, weight, np.zeros((9, 9), dtype=np.uint8), color, floor=FOLDING)
         after = kernels.energy(xy, weight)[0]
         assert after < before
         before = after
@@ -134,8 +134,8 @@ def test_sweeps_keep_positive_jacobians():
     assert kernels.energy(xy)[1] > 0
     free = np.zeros((12, 12), dtype=np.uint8)
     for _ in range(30):
-        for colour in range(4):
-            kernels.sweep(xy, None, free, colour, floor=0.0)
+        for color in range(4):
+            kernels.sweep(xy, None, free, color, floor=0.0)
             assert kernels.energy(xy)[1] > 0
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import gridgen_sym as gg
 
-from .conftest import mild_grid
+from .conftest import farthest, mild_grid
 
 FEW = settings(max_examples=25)
 SOLVERS = {"optimize": gg.optimize, "solve_euler_lagrange": gg.solve_euler_lagrange}
@@ -246,15 +246,22 @@ def test_a_ragged_mask_is_refused(solve):
 # ---- grids at the edge of what numbers can hold ----
 
 
-# Not strict: where the first overflow happens depends on the functional and on the solver.
 @pytest.mark.parametrize("name", ["length", "winslow", "liao"])
 @each_solver
-def test_a_huge_grid_is_solved_or_refused(solve, name):
-    try:
-        result = solve(gg.Grid(mild_grid().xy * 1e200), name)
-    except gg.GridgenError:
+def test_a_huge_grid_is_solved(solve, name):
+    result, expected = (solve(gg.Grid(mild_grid().xy * scale), name) for scale in (1e25, 1.0))
+    assert result.converged, result.message
+    assert np.isfinite(result.energy)
+    assert farthest(gg.Grid(result.grid.xy / 1e25), expected.grid) < 1e-6
+
+
+@pytest.mark.parametrize("name", ["length", "winslow", "liao"])
+@each_function
+def test_a_grid_beyond_all_bounds_is_refused(solve, name):
+    if solve is gg.untangle and name != "winslow":
         return
-    assert result.converged == bool(np.isfinite(result.energy))
+    with pytest.raises(gg.GridgenError, match=r"coordinates reach 1.*e\+200, .* scale them"):
+        solve(gg.Grid(mild_grid().xy * 1e200), name)
 
 
 @pytest.mark.parametrize("name", gg.functionals())

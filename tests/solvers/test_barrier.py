@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
 
@@ -21,7 +20,7 @@ from .conftest import (
     largest_rise,
 )
 
-REGIONS = Path(__file__).resolve().parents[3] / "shared" / "domains" / "regions"
+REGIONS = SHARED / "domains" / "regions"
 
 each_method = pytest.mark.parametrize("method", METHODS)
 each_barrier = pytest.mark.parametrize("name", BARRIER)
@@ -90,7 +89,12 @@ def test_the_minimum_is_reached_from_a_folded_start(name):
     assert farthest(result.grid, polished.grid) < 1e-4
 
 
-@pytest.mark.parametrize("path", sorted(REGIONS.glob("*_21.npz")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    sorted(REGIONS.glob("*_21.npz"))
+    or [pytest.param(REGIONS, marks=pytest.mark.skip(reason=NO_SHARED.format("domains/regions")))],
+    ids=lambda path: path.stem,
+)
 def test_regions_of_the_literature_are_gridded(path):
     with np.load(path) as archive:
         reference = gg.Grid(archive["xy"])
@@ -104,9 +108,8 @@ def test_regions_of_the_literature_are_gridded(path):
     assert result.energy <= gg.energy(reference, "winslow")
 
 
-def test_there_are_regions_or_the_folder_is_missing():
-    if not REGIONS.is_dir():
-        pytest.skip("the folder shared/domains is not here")
+@pytest.mark.skipif(not REGIONS.is_dir(), reason=NO_SHARED.format("domains/regions"))
+def test_there_are_nine_regions():
     assert len(list(REGIONS.glob("*_21.npz"))) == 9
 
 

@@ -13,7 +13,7 @@ from gridgen_sym.solvers.sparse import assemble_hessian, assemble_jacobian, to_v
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="multigrid is compiled")
 
 SHAPES = [(9, 12), (8, 9), (5, 6), (4, 17), (33, 5)]
-HESSIAN_NEIGHBOURS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
+HESSIAN_NEIGHBORS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
 
 
 def hessian(shape, *, inner_fixed=False):
@@ -48,14 +48,14 @@ def dense(planes):
     matrix = np.zeros((ni, nj, 2, ni, nj, 2))
     for i, j in np.ndindex(ni, nj):
         if count == 36:
-            for neighbour in range(9):
-                to = i + neighbour // 3 - 1, j + neighbour % 3 - 1
+            for neighbor in range(9):
+                to = i + neighbor // 3 - 1, j + neighbor % 3 - 1
                 if 0 <= to[0] < ni and 0 <= to[1] < nj:
-                    matrix[i, j, :, *to, :] = planes[4 * neighbour : 4 * neighbour + 4, i, j].reshape(2, 2)
+                    matrix[i, j, :, *to, :] = planes[4 * neighbor : 4 * neighbor + 4, i, j].reshape(2, 2)
         else:
             xx, xy, yy = planes[:3, i, j]
             matrix[i, j, :, i, j, :] = [[xx, xy], [xy, yy]]
-            for (di, dj), first in HESSIAN_NEIGHBOURS:
+            for (di, dj), first in HESSIAN_NEIGHBORS:
                 to = i + di, j + dj
                 if to[0] < ni and 0 <= to[1] < nj:
                     block = planes[first : first + 4, i, j].reshape(2, 2)

@@ -9,6 +9,7 @@ from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.functionals.metric import symbol
 from gridgen_sym.symbolic import classify
+from gridgen_sym.symbolic.classify import equation_type
 from gridgen_sym.symbolic.coordinates import METRIC, J, expand_metric, g11, g12, g22
 from gridgen_sym.symbolic.ellipticity import k1, k2
 
@@ -75,16 +76,27 @@ def test_witness_is_exact(name):
         ("J", ("linear", "uncoupled", "degenerate")),
         ("g11", ("linear", "uncoupled", "weakly elliptic")),
         ("x_xi**2 + 4*x_eta**2 + y_xi**2 + 2*y_eta**2", ("linear", "uncoupled", "elliptic")),
-        ("x_xi*y_eta + x_xi*y_xi", ("linear", "coupled", "elliptic")),
+        ("x_xi*y_eta + x_xi*y_xi", ("linear", "coupled", "weakly elliptic")),
+        ("x_xi*y_xi + x_eta*y_eta", ("linear", "coupled", "elliptic")),
+        ("x_xi**2 - x_eta**2 + y_xi**2 + y_eta**2", ("linear", "uncoupled", "changing type")),
+        ("g11 - g22", ("linear", "uncoupled", "weakly elliptic")),
+        ("sqrt(g11) + sqrt(g22)", ("quasilinear", "coupled", "weakly elliptic")),
+        ("exp(g11)", ("quasilinear", "coupled", "weakly elliptic")),
+        ("sqrt(g11 + g22)", ("quasilinear", "coupled", "elliptic")),
+        ("J**12 + J**-10 + g11 + g22", ("quasilinear", "coupled", "elliptic")),
         ("g11**2 + g22", ("quasilinear", "coupled", "elliptic")),
         ("-J**2 - g12**2", ("quasilinear", "coupled", "changing type")),
     ],
 )
 def test_other_densities(density, expected):
-    words = classify(Functional("other", density)).words()
-    assert words[:2] == expected[:2]
-    if density != "x_xi*y_eta + x_xi*y_xi":
-        assert words[2] in (expected[2], "weakly elliptic")
+    known = Functional("other", density)
+    assert classify(known).words() == expected
+    assert equation_type(known) == expected[2]
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_sampled_type_is_the_type(name):
+    assert equation_type(functional(name)) == KNOWN[name][2]
 
 
 def test_null_lagrangian_and_unbounded():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gridgen_sym.functionals import functional, functionals
+from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.symbolic import derive_latex, derive_text
 
 
@@ -31,3 +32,11 @@ def test_weight_laws_and_reduction_are_shown():
     assert "c = J*s\n" in text
     assert "c = J*sqrt(s)\n" in text
     assert "det M = 4/J**4" in derive_text(functional("winslow"))
+
+
+def test_what_is_not_there_is_said_in_words():
+    text = derive_text(Functional("other", "g11 - g22"))
+    assert "in g1 alone: not homogeneous" in text
+    assert "Lower bound: none, unbounded below by scaling." in text
+    assert "Lower bound: none found." in derive_text(Functional("other", "J**2 - J**4"))
+    assert "None" not in text
