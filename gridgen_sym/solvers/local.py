@@ -53,17 +53,18 @@ def sweep_until_converged(
                 floor=floor,
                 interior_only=problem.interior_only,
             )
-        if diverges(coordinates - before, extent):
+        step = coordinates - before
+        if diverges(step, extent):
             coordinates[...] = before
             return (
                 False,
                 "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid.",
             )
         problem.refresh(coordinates)
-        energy, smallest, gradient = problem.energy_gradient(coordinates)
+        energy, smallest, gradient = problem.energy_gradient(coordinates, out=gradient)
         norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
-        if np.array_equal(before, coordinates):
+        if not step.any():
             return False, (
                 f"no node can move to a lower local energy{' without folding a cell' if guard else ''}, and the "
                 f"gradient's norm is {norm:.2e}, {norm / first:.1e} of its first value."

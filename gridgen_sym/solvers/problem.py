@@ -88,11 +88,13 @@ class Problem:
         Measured: by the change of the gradient when every node is moved a little, this way or that.
         """
         size, little = float(np.abs(coordinates).max()), 1e-4 * _spacing(coordinates)
-        signs = np.random.default_rng(0).integers(0, 2, size=coordinates.shape, dtype=np.int8)
-        moved = coordinates + little * (2 * signs - 1)
+        down = np.random.default_rng(0).integers(0, 2, size=coordinates.shape, dtype=np.int8).view(bool)
+        moved = coordinates + little
+        moved[down] -= 2 * little
         energy, _, there = self.energy_gradient(moved)
         self.refresh(coordinates)
-        eps, change = float(np.finfo(float).eps), norm_of(there - gradient)
+        there -= gradient
+        eps, change = float(np.finfo(float).eps), norm_of(there)
         # A gradient that does not change at all (of a null Lagrangian) still is a sum of terms that round.
         summed = 10 * eps * self.gradient_scale(coordinates, energy)
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
