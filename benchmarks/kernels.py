@@ -97,21 +97,20 @@ def bound(work: Work, kernel_set: KernelSet, divisions: dict[str, int], limits: 
 
 def run(quick: bool, picture: Path | None = None) -> list[Table]:
     """Measure, and return the tables: the limits, then the rates at each size."""
-    # Others may have had the processor: the better of two measurements counts.
-    twice = [{count: astuple(measure_limits(count)) for count in (1, 2)} for _ in range(2)]
-    found = {count: Limits(*map(max, twice[0][count], twice[1][count])) for count in (1, 2)}
-    table = Table("Limits of the machine", "Measured in the same run.", ("threads", "triad GB/s", "GFlop/s", "Gdiv/s"))
-    tables = [table]
-    for count in found:
-        table.add(count, *(value / 1e9 for value in astuple(found[count])))
+    found: dict[int, Limits] = {}
+    tables = []
     for size in (1024,) if quick else (1024, 256):
-        rates = _rates(size, passes=3 if quick else 6)
+        rates = _rates(size, 3 if quick else 6, found)
         tables.append(_table(size, rates, found))
         if picture and size == 1024:
             _roofline(picture, rates, found)
-    return tables
+    table = Table("Limits of the machine", "Measured between the kernels, the best of all passes.", _LIMITS)
+    for count, limits in found.items():
+        table.add(count, *(value / 1e9 for value in astuple(limits)))
+    return [table, *tables]
 
 
+_LIMITS = ("threads", "triad GB/s", "GFlop/s", "Gdiv/s")
 _TEXT = (
     "The fastest of several runs on `wavy`, with preallocated results. Operations are those of the derived arithmetic "
     "(`KernelSet.operations`) without edges and sums; bytes are the least that must move, writes counted twice. The "
@@ -119,12 +118,17 @@ _TEXT = (
 )
 
 
-def _rates(size: int, passes: int) -> Rates:
-    """Return nodes per second by functional, kernel and threads: the best of passes that are spread over time."""
+def _rates(size: int, passes: int, limits: dict[int, Limits]) -> Rates:
+    """Return nodes per second by functional, kernel and threads, and put the limits into `limits`.
+
+    Both are the best of passes that are spread over time: others may have the processor for a while.
+    """
     coordinates = np.ascontiguousarray(start_grid("wavy", size).planes)
     rates: Rates = {}
     for _ in range(passes):
         for count in (1, 2):
+            again = astuple(measure_limits(count))
+            limits[count] = Limits(*map(max, again, astuple(limits[count]) if count in limits else again))
             with threads(count):
                 for name, found in _all_calls(coordinates, count):
                     for kernel, call in found.items():

@@ -34,7 +34,7 @@ def run(quick: bool, largest: int = 1024, picture: Path | None = None) -> list[T
     """Measure, and return the tables of cost and of memory.
 
     Args:
-        quick: fewer cases, and 10 seconds for one solve.
+        quick: fewer cases, and 20 seconds for one solve.
         largest: side of the largest grid.
         picture: where to draw the cost.
     """
@@ -62,7 +62,7 @@ def run(quick: bool, largest: int = 1024, picture: Path | None = None) -> list[T
 def _costs(quick: bool, largest: int, count: int) -> Iterator[dict[str, Any]]:
     """Yield what a process with this many threads measures."""
     command = [sys.executable, str(FOLDER / "solver_cost.py"), "--largest", str(largest)]
-    command += ["--quick", "--limit", "10"] if quick else []
+    command += ["--quick", "--limit", "20"] if quick else []
     environment = {**os.environ, "OMP_NUM_THREADS": str(count)}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         assert process.stdout is not None
