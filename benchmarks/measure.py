@@ -19,8 +19,8 @@ from gridgen_sym.runtime import find_compiler
 FOLDER = Path(__file__).resolve().parent
 OUTLINES = FOLDER.parent / "examples" / "outlines"
 #: Colors that remain distinct for color-blind readers.
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
-MARKERS = "osD^vP*"
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#8C8C8C")
+MARKERS = "osD^vP*X"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +158,7 @@ def plot(path: Path, panels: Sequence[tuple[str, Series]], xlabel: str, ylabel: 
     )
     for axis, (title, series) in zip(axes[0], panels, strict=True):
         for place, (name, (x, y)) in enumerate(series.items()):
-            style: dict[str, Any] = {"color": COLORS[place % 7], "marker": MARKERS[place % 7]}
+            style: dict[str, Any] = {"color": COLORS[place % 8], "marker": MARKERS[place % 8]}
             axis.loglog(x, y, label=name, markersize=5, linewidth=1.5, **style)
         axis.set(title=title, xlabel=xlabel)
         axis.grid(True, which="major", color="0.88")

@@ -76,7 +76,7 @@ def measure(boundary: str, name: str, size: int, *, runs: int, limit: float) -> 
         steps=kept[0].iterations,
         outcome=_outcome(kept[0], limit),
         message=kept[0].message,
-        disturbed=wall > 1.2 * cpu or unit > 1.1 * single,
+        disturbed=wall > 1.2 * cpu or (thread_count() > 1 and unit > 1.1 * single),
     )
 
 
