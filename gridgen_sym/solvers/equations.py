@@ -8,7 +8,7 @@ import numpy as np
 
 from ..grids import corner_jacobians
 from ..runtime import Array
-from .problem import Problem
+from .problem import Problem, norm_of
 
 
 @dataclass(slots=True)
@@ -30,8 +30,7 @@ class Equations:
         residual = self.problem.kernels.euler_lagrange_residual(
             coordinates, self.problem.weights(coordinates), self.spacing
         )
-        residual[:, self.problem.fixed != 0] = 0.0
-        return residual
+        return self.problem.pin(residual)
 
     def jacobian(self, coordinates: Array) -> Array:
         """Return the planes (36, ni, nj) of the Jacobian."""
@@ -41,11 +40,11 @@ class Equations:
 
     def round_off(self, coordinates: Array) -> float:
         """Return the norm below which a residual cannot be told from zero."""
-        rows = np.zeros_like(coordinates[0])
+        rows = np.zeros_like(coordinates[:1])
         for plane in self.jacobian(coordinates):
-            rows += np.abs(plane)
-        rows[self.problem.fixed != 0] = 0.0
-        return float(10 * np.finfo(float).eps * np.abs(coordinates).max() * np.linalg.norm(rows))
+            rows[0] += np.abs(plane)
+        size = float(np.abs(coordinates).max())
+        return 10 * float(np.finfo(float).eps) * size * norm_of(self.problem.pin(rows))
 
     def remember(self, coordinates: Array, norm: float) -> float:
         """Keep the grid if it is the best so far, or the best valid one; return its smallest Jacobian."""

@@ -14,7 +14,7 @@ from ..grids import corner_jacobians
 from ..runtime import Array
 from .equations import Equations
 from .linear import LinearSolver, jacobian_solver
-from .problem import converged_message
+from .problem import converged_message, norm_of
 from .progress import Progress
 from .sparse import assemble_jacobian, to_field, to_vector
 
@@ -33,7 +33,7 @@ def solve_by_newton(
     if problem.kernels.equation_type != "elliptic":
         damping = _FIRST_DAMPING
     residual = equations.residual(coordinates)
-    norm = first = float(np.linalg.norm(residual))
+    norm = first = norm_of(residual)
     floor = equations.round_off(coordinates)
     solver = jacobian_solver(problem.fixed, problem.kernels.backend)
     for iteration in range(limit + 1):
@@ -53,7 +53,7 @@ def solve_by_newton(
         coordinates += step
         problem.refresh(coordinates)
         residual = equations.residual(coordinates)
-        norm = float(np.linalg.norm(residual))
+        norm = norm_of(residual)
     return (
         False,
         f"{limit} steps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value.",
@@ -69,7 +69,7 @@ def _reduce(
     guard: float,
 ) -> tuple[Array | None, float]:
     """Return a step that lowers the residual's norm (None if there is none), and the damping for the next one."""
-    norm, fixed = float(np.linalg.norm(residual)), equations.problem.fixed
+    norm, fixed = norm_of(residual), equations.problem.fixed
     planes = equations.jacobian(coordinates)
     if damping == 0.0:
         direction = (
@@ -96,7 +96,7 @@ def _reduce(
 def _accepted(equations: Equations, trial: Array, norm: float, guard: float) -> bool:
     if not np.isfinite(trial).all() or not corner_jacobians(trial[0], trial[1]).min() > guard:
         return False
-    return bool(np.linalg.norm(equations.residual(trial)) <= norm)
+    return norm_of(equations.residual(trial)) <= norm
 
 
 def _solve(matrix: Any, right: Array) -> Array:  # noqa: ANN401

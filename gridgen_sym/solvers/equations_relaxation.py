@@ -6,7 +6,7 @@ import numpy as np
 
 from ..runtime import Array
 from .equations import Equations
-from .problem import converged_message
+from .problem import converged_message, norm_of
 from .progress import Progress
 
 #: How much the residual may grow before a relaxation is called divergent, and the weakest one that is tried.
@@ -20,7 +20,7 @@ def solve_by_relaxation(
     problem = equations.problem
     _, ni, nj = coordinates.shape
     strength = factor or 2 / (1 + np.sin(np.pi / max(ni, nj)))
-    norm = first = float(np.linalg.norm(equations.residual(coordinates)))
+    norm = first = norm_of(equations.residual(coordinates))
     safe, safe_norm, floor = coordinates.copy(), norm, equations.round_off(coordinates)
     for iteration in range(limit + 1):
         report.step(iteration, float("nan"), norm, equations.remember(coordinates, norm))
@@ -48,8 +48,7 @@ def solve_by_relaxation(
             )
         problem.refresh(coordinates)
         before = norm
-        with np.errstate(all="ignore"):
-            norm = float(np.linalg.norm(equations.residual(coordinates)))
+        norm = norm_of(equations.residual(coordinates))
         if norm == before:
             return False, "the sweeps change nothing: the nodes' own equations are singular. Use method='newton'."
     return False, (

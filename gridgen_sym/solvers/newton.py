@@ -8,7 +8,7 @@ import numpy as np
 
 from ..runtime import Array
 from .linear import LinearSolver, hessian_solver
-from .problem import Problem, converged_message, diverges, jacobian_floor, norm_of
+from .problem import Problem, converged_message, diverges, inner, jacobian_floor, norm_of
 from .progress import Progress
 
 #: Armijo's constant, and how often a step is halved.
@@ -170,7 +170,7 @@ class _Search:
 
     def along(self, direction: Array) -> bool:
         """Find the longest step 1, 1/2, ... that lowers the energy enough and folds nothing."""
-        slope = float(np.vdot(self.gradient, direction))
+        slope = inner(self.gradient, direction)
         round_off = 1e2 * np.finfo(float).eps * abs(self.energy)
         self.length, self.folds = 1.0, False
         place = np.empty_like(direction)

@@ -16,7 +16,7 @@ from ..runtime import Array
 from .local import sweep_until_converged
 from .nested import nested_start, worth_nesting
 from .newton import minimize
-from .problem import INTERRUPTED, Problem, check_controls, make_problem, result_of
+from .problem import INTERRUPTED, Problem, check_controls, make_problem, norm_of, result_of
 from .progress import Callback, Progress
 from .result import Result
 from .sparse import assemble_hessian
@@ -142,7 +142,7 @@ class _Run:
         """Take a better start, if it is one: valid where the given one is not, or else of lower energy."""
         energy, smallest, gradient = self.problem.energy_gradient(self.coordinates)
         if smallest > 0 or not self.problem.kernels.barrier:
-            self.reference = float(np.linalg.norm(gradient))
+            self.reference = norm_of(gradient)
         if start is None:
             return
         self.problem.refresh(start)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,11 @@ class Problem:
     weight: Weight | None
     interior_only: bool = False
     _planes: Array | None = None
+    _inner_fixed: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        """See once whether inner nodes are fixed: removing their entries takes far longer than those of the sides."""
+        self._inner_fixed = bool(self.fixed[1:-1, 1:-1].any())
 
     def refresh(self, coordinates: Array) -> None:
         """Evaluate the weight at the nodes' present positions."""
@@ -61,8 +66,14 @@ class Problem:
         energy, smallest, gradient = self.kernels.energy_gradient(
             coordinates, self.weights(coordinates), interior_only=self.interior_only, out=out
         )
-        gradient[:, self.fixed != 0] = 0.0
-        return energy, smallest, gradient
+        return energy, smallest, self.pin(gradient)
+
+    def pin(self, field: Array) -> Array:
+        """Make a field (2, ni, nj) zero at the fixed nodes, in place, and return it."""
+        field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1] = 0.0, 0.0, 0.0, 0.0
+        if self._inner_fixed:
+            field[:, self.fixed != 0] = 0.0
+        return field
 
     def hessian(self, coordinates: Array, *, semidefinite: bool = False, out: Array | None = None) -> Array:
         """Return the stored half of the Hessian (19, ni, nj); entries of fixed nodes are not removed."""
@@ -88,9 +99,12 @@ class Problem:
         Measured: by the change of the gradient when every node is moved a little, this way or that.
         """
         size, little = float(np.abs(coordinates).max()), 1e-4 * _spacing(coordinates)
-        down = np.random.default_rng(0).integers(0, 2, size=coordinates.shape, dtype=np.int8).view(bool)
-        moved = coordinates + little
-        moved[down] -= 2 * little
+        # Products of random signs per row and per column are uncorrelated between nodes, and cost nothing.
+        rows, columns = (
+            np.random.default_rng(seed).choice((-little, little), (2, count))
+            for seed, count in enumerate(coordinates.shape[1:])
+        )
+        moved = coordinates + rows[:, :, None] * (columns[:, None, :] / (little or 1.0))
         energy, _, there = self.energy_gradient(moved)
         self.refresh(coordinates)
         there -= gradient
@@ -115,15 +129,25 @@ class Problem:
 
 
 def _spacing(coordinates: Array) -> float:
-    """Return the mean length of an edge along xi plus that of one along eta; infinite where it overflows."""
-    with np.errstate(over="ignore"):
-        return sum(float(np.hypot(*np.diff(coordinates, axis=axis)).mean()) for axis in (1, 2))
+    """Return the root mean square length of an edge along xi plus that of one along eta."""
+    return sum(
+        norm_of(edges) / float(np.sqrt(edges[0].size))
+        for edges in (np.diff(coordinates, axis=1), np.diff(coordinates, axis=2))
+    )
 
 
-def norm_of(gradient: Array) -> float:
-    """Return the Euclidean norm; infinite, and not a warning, where it overflows."""
+def inner(first: Array, second: Array) -> float:
+    """Return the inner product of two fields (2, ni, nj); infinite or NaN, and not a warning, where it overflows.
+
+    Not by BLAS: its threads would go on spinning on the processors that the kernels' threads need.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
-        return float(np.linalg.norm(gradient))
+        return float(np.einsum("cij,cij->", first, second))
+
+
+def norm_of(field: Array) -> float:
+    """Return the Euclidean norm of a field; infinite, and not a warning, where it overflows."""
+    return float(np.sqrt(inner(field, field)))
 
 
 def converged_message(what: str, norm: float, first: float, iteration: int) -> str:
