@@ -66,12 +66,8 @@ def calls(kernel_set: KernelSet, coordinates: Array) -> dict[str, Callable[[], o
         "energy + gradient": lambda: kernel_set.energy_gradient(coordinates, out=gradient),
         "Hessian": lambda: kernel_set.hessian(coordinates, out=planes),
         "semidefinite Hessian": lambda: kernel_set.hessian(coordinates, semidefinite=True, out=planes),
-        "Euler–Lagrange residual": lambda: kernel_set._call(
-            "euler_lagrange_residual", coordinates, None, gradient, spacing=spacing
-        ),
-        "Euler–Lagrange Jacobian": lambda: kernel_set._call(
-            "euler_lagrange_jacobian", coordinates, None, jacobian, spacing=spacing
-        ),
+        "Euler–Lagrange residual": lambda: kernel_set.euler_lagrange_residual(coordinates, None, spacing, out=gradient),
+        "Euler–Lagrange Jacobian": lambda: kernel_set.euler_lagrange_jacobian(coordinates, None, spacing, out=jacobian),
         "relaxation sweep": relax,
         "local sweep": sweep,
     }

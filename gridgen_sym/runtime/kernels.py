@@ -77,7 +77,7 @@ class KernelSet:
         out: Array | None = None,
     ) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian, and the gradient (2, ni, nj) in all nodes (written to `out`)."""
-        rows, gradient = np.empty((2, coordinates.shape[1] - 1)), np.empty_like(coordinates) if out is None else out
+        rows, gradient = np.empty((2, coordinates.shape[1] - 1)), _result(2, coordinates, out)
         self._call("energy_gradient", coordinates, weight, rows[0], rows[1], gradient, interior_only=interior_only)
         return float(rows[0].sum()), float(rows[1].min()), gradient
 
@@ -95,7 +95,7 @@ class KernelSet:
         The block of node (i, j) with itself (xx, xy, yy), then with (i+1, j), (i, j+1), (i+1, j+1), (i+1, j-1)
         (xx, xy, yx, yy each). With `out`, it is written there.
         """
-        planes = np.empty((HESSIAN_PLANES, *coordinates.shape[1:])) if out is None else out
+        planes = _result(HESSIAN_PLANES, coordinates, out)
         name = "semidefinite_hessian" if semidefinite else "hessian"
         self._call(name, coordinates, weight, planes, interior_only=interior_only)
         return planes
@@ -117,10 +117,18 @@ class KernelSet:
         self._call("sweep", coordinates, weight, fixed, color, floor, interior_only=interior_only)
 
     def euler_lagrange_residual(
-        self, coordinates: Array, weight: Array | None = None, spacing: tuple[float, float] = (1.0, 1.0)
+        self,
+        coordinates: Array,
+        weight: Array | None = None,
+        spacing: tuple[float, float] = (1.0, 1.0),
+        *,
+        out: Array | None = None,
     ) -> Array:
-        """Return the residual (2, ni, nj) of the equations, by central differences; zero at the boundary nodes."""
-        residual = np.zeros_like(coordinates)
+        """Return the residual (2, ni, nj) of the equations, by central differences; zero at the boundary nodes.
+
+        With `out`, it is written there.
+        """
+        residual = _zero_at_boundary(_result(2, coordinates, out))
         self._call("euler_lagrange_residual", coordinates, weight, residual, spacing=spacing)
         return residual
 
@@ -131,13 +139,15 @@ class KernelSet:
         spacing: tuple[float, float] = (1.0, 1.0),
         *,
         frozen: bool = False,
+        out: Array | None = None,
     ) -> Array:
-        """Return the derivatives (36, ni, nj) of the residual in the nodes of its stencil.
+        """Return the derivatives (36, ni, nj) of the residual in the nodes of its stencil; zero at the boundary nodes.
 
         Nine blocks in the order (i-1, j-1), (i-1, j), ..., (i+1, j+1), each xx, xy, yx, yy (equation, then
-        coordinate). With `frozen`, the coefficients of the second derivatives are held.
+        coordinate). With `frozen`, the coefficients of the second derivatives are held. With `out`, it is
+        written there.
         """
-        jacobian = np.zeros((JACOBIAN_PLANES, *coordinates.shape[1:]))
+        jacobian = _zero_at_boundary(_result(JACOBIAN_PLANES, coordinates, out))
         name = "euler_lagrange_frozen_jacobian" if frozen else "euler_lagrange_jacobian"
         self._call(name, coordinates, weight, jacobian, spacing=spacing)
         return jacobian
@@ -222,6 +232,20 @@ def kernels(
         _parameters=values,
         _functions=functions,
     )
+
+
+def _result(count: int, coordinates: Array, out: Array | None) -> Array:
+    """Return where a kernel writes (count, ni, nj) planes: `out` if it is given and has that shape, else new memory."""
+    shape = (count, *coordinates.shape[1:])
+    if out is not None and out.shape != shape:
+        raise GridgenError(f"out must have the shape {shape}; came {out.shape}")
+    return np.empty(shape) if out is None else out
+
+
+def _zero_at_boundary(planes: Array) -> Array:
+    """Set the boundary nodes of planes (n, ni, nj) to zero; the kernels write the others only."""
+    planes[:, 0], planes[:, -1], planes[:, :, 0], planes[:, :, -1] = 0.0, 0.0, 0.0, 0.0
+    return planes
 
 
 _BACKENDS: dict[str, Backend] = {"c": CompiledBackend(), "numpy": NumpyBackend()}

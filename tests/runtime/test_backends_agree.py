@@ -160,6 +160,44 @@ def test_a_wrong_number_is_objected_to():
     assert not same(changed, gradient)
 
 
+# ---- results in memory that is given ----
+
+
+def written_kernels(kernels, xy):
+    """Return every kernel that takes `out`, with the number of planes that it writes."""
+    return {
+        2: [
+            lambda out: kernels.energy_gradient(xy, out=out)[2],
+            lambda out: kernels.euler_lagrange_residual(xy, None, SPACING, out=out),
+        ],
+        19: [lambda out: kernels.hessian(xy, out=out), lambda out: kernels.hessian(xy, semidefinite=True, out=out)],
+        36: [
+            lambda out: kernels.euler_lagrange_jacobian(xy, None, SPACING, out=out),
+            lambda out: kernels.euler_lagrange_jacobian(xy, None, SPACING, frozen=True, out=out),
+        ],
+    }
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_a_result_in_given_memory_is_the_same(backend):
+    """Whatever stood there before."""
+    kernels, xy = kernel_set("winslow", "plain", backend), random_grid(5, 67)
+    for count, functions in written_kernels(kernels, xy).items():
+        for function in functions:
+            given = np.full((count, 5, 67), 7.0)
+            assert function(given) is given
+            assert given.tobytes() == function(None).tobytes()
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_given_memory_of_the_wrong_shape_is_refused(backend):
+    kernels, xy = kernel_set("winslow", "plain", backend), random_grid(5, 67)
+    for count, functions in written_kernels(kernels, xy).items():
+        for function in functions:
+            with pytest.raises(ValueError, match=rf"out must have the shape \({count}, 5, 67\); came"):
+                function(np.empty((count, 5, 66)))
+
+
 # ---- clear errors ----
 
 
