@@ -21,9 +21,11 @@ from .functionals import Functional as Functional
 from .functionals import define as define
 from .functionals import functional as functional
 from .functionals import functionals as functionals
+from .grids import Certificate as Certificate
 from .grids import Grid as Grid
 from .grids import Outline as Outline
 from .grids import Quality as Quality
+from .grids import certificates as certificates
 from .grids import domain as domain
 from .grids import domain_names as domain_names
 from .grids import plot_grid as plot_grid

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .certificate import Certificate as Certificate
+from .certificate import certificates as certificates
 from .domains import domain as domain
 from .domains import domain_description as domain_description
 from .domains import domain_names as domain_names
