@@ -119,13 +119,20 @@ class Problem:
             return ""
         if self._planes is not None and not self._planes[0].any():
             return " The weight is zero at every node: every grid has the energy zero."
+        said = ""
+        outside = self.weight.nodes_outside(coordinates)
+        if outside:
+            said = (
+                f" {outside} of {coordinates[0].size} nodes lie outside the weight's samples: the nearest sample "
+                "counts there."
+            )
         negative = self.weight.negative_nodes(coordinates)
-        if not negative:
-            return ""
-        return (
-            f" The weight is negative at {negative} of {coordinates[0].size} nodes: the energy has no lower bound, "
-            "and no grid minimises it."
-        )
+        if negative:
+            said += (
+                f" The weight is negative at {negative} of {coordinates[0].size} nodes: the energy has no lower "
+                "bound, and no grid minimises it."
+            )
+        return said
 
 
 def _spacing(coordinates: Array) -> float:

@@ -1,21 +1,30 @@
-"""Weights (the paper's adaptive function s): from a formula, a function or an array, checked."""
+"""Weights (the paper's adaptive function s): from a formula, a function, samples or an array, checked."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from ..errors import GridgenError
 from ..functionals.expression import FUNCTION_NAMES, evaluate
+from ..grids import Grid
 from ..runtime import Array
+from .sampled import SampledField, grid_field, nodal, raster_field, scattered_field
+from .weight_formula import compiled_formula, is_expression
 
-Source = str | float | Callable[[Array, Array], npt.ArrayLike] | npt.NDArray[Any]
+if TYPE_CHECKING:
+    import sympy
+
+Mode = Literal["frozen", "differentiated"]
+Source: TypeAlias = "str | float | sympy.Expr | Callable[[Array, Array], npt.ArrayLike] | npt.NDArray[Any]"
 
 _NUMPY_FUNCTIONS = {name: getattr(np, {"atan": "arctan"}.get(name, name)) for name in FUNCTION_NAMES}
+#: Beyond this size the squares of weights, and their products with other terms, overflow.
+_LARGEST = 1e100
 #: Partial derivatives of the weight, by the name of its plane.
 _DERIVATIVES = {"s_x": "x", "s_y": "y", "s_xx": "xx", "s_xy": "xy", "s_yy": "yy"}
 
@@ -25,8 +34,9 @@ class Weight:
     """A weight s(x, y).
 
     Attributes:
-        source: a formula such as `"1 + 5*exp(-20*(x**2 + y**2))"`, a number, a function of two arrays
-            (x, y), or an array with one value per node (only with mode `frozen`).
+        source: a formula such as `"1 + 5*exp(-20*(x**2 + y**2))"`, a SymPy expression in x and y, a number, a
+            function of two arrays (x, y), or an array with one value per node or per cell (only with mode
+            `frozen`). Fields known by samples come from `on_grid`, `on_raster` and `on_points`.
         mode: `frozen`: s is held at the nodes and evaluated again between steps, so that s·J becomes constant
             for the area functional; `differentiated`: s(x, y) belongs to the energy that is minimised, so that
             sqrt(s)·J becomes constant.
@@ -35,22 +45,61 @@ class Weight:
     """
 
     source: Source
-    mode: Literal["frozen", "differentiated"] = "frozen"
+    mode: Mode = "frozen"
     allow_negative: bool = False
+
+    @classmethod
+    def on_grid(
+        cls, grid: Grid, values: npt.ArrayLike, mode: Mode = "frozen", *, allow_negative: bool = False
+    ) -> Weight:
+        """Return the weight that interpolates values (ni, nj) at the nodes of a grid, or (ni-1, nj-1) in its cells.
+
+        Unlike an array it belongs to places, not to nodes: where a node goes, it meets the weight of that place.
+        Linear if frozen, cubic if differentiated (see `sampled`); the nearest sample counts outside the grid's hull.
+        """
+        return cls(grid_field(grid, values, smooth=mode == "differentiated"), mode, allow_negative)
+
+    @classmethod
+    def on_points(
+        cls, points: npt.ArrayLike, values: npt.ArrayLike, mode: Mode = "frozen", *, allow_negative: bool = False
+    ) -> Weight:
+        """Return the weight that interpolates values (n,) at scattered points (n, 2), as `on_grid` does."""
+        return cls(scattered_field(points, values, smooth=mode == "differentiated"), mode, allow_negative)
+
+    @classmethod
+    def on_raster(
+        cls,
+        x: npt.ArrayLike,
+        y: npt.ArrayLike,
+        values: npt.ArrayLike,
+        mode: Mode = "frozen",
+        *,
+        allow_negative: bool = False,
+    ) -> Weight:
+        """Return the weight that interpolates a raster: values (nx, ny) at x (nx,) and y (ny,), in order.
+
+        Bilinear if frozen, a bicubic spline if differentiated; the nearest value of the edge counts outside.
+        """
+        return cls(raster_field(x, y, values, smooth=mode == "differentiated"), mode, allow_negative)
 
     def __post_init__(self) -> None:
         """Check what can be checked without a grid."""
         if self.mode not in ("frozen", "differentiated"):
             raise GridgenError(f"a weight's mode must be 'frozen' or 'differentiated'; came {self.mode!r}")
+        if is_expression(self.source):
+            compiled_formula(self.source, "")
         if self.per_node and self.mode != "frozen":
             raise GridgenError(
-                "an array of weights has no derivatives: use mode='frozen', or give a formula or a function"
+                "an array of weights has no derivatives: use mode='frozen', or give a formula, a function or "
+                "Weight.on_grid(grid, values, 'differentiated')"
             )
 
     @property
     def per_node(self) -> bool:
-        """Whether it is given at the nodes of one grid only."""
-        return not isinstance(self.source, str) and not callable(self.source) and _real(self.source).ndim > 0
+        """Whether it is given at the nodes or in the cells of one grid only."""
+        source: Any = self.source
+        of_place = isinstance(source, str) or callable(source) or is_expression(source)
+        return not of_place and _real(source).ndim > 0
 
     def planes(self, coordinates: Array, names: tuple[str, ...]) -> Array:
         """Return the weight at the nodes, and those of its derivatives that `names` lists, each (ni, nj).
@@ -74,11 +123,17 @@ class Weight:
         """Return the number of nodes at which the weight is negative."""
         return int((self._values(*coordinates) < 0).sum())
 
+    def nodes_outside(self, coordinates: Array) -> int:
+        """Return the number of nodes outside the samples of the weight, where the nearest sample counts."""
+        return self.source.outside(*coordinates) if isinstance(self.source, SampledField) else 0
+
     def _values(self, x: Array, y: Array) -> Array:
         try:
             with np.errstate(all="ignore"):
                 if isinstance(self.source, str):
                     value = _real(evaluate(self.source, {"x": x, "y": y, "pi": np.pi}, _NUMPY_FUNCTIONS))
+                elif is_expression(self.source):
+                    value = _real(compiled_formula(self.source, "")(x, y))
                 else:
                     value = _real(self.source(x, y) if callable(self.source) else self.source)
         except GridgenError:
@@ -86,10 +141,16 @@ class Weight:
         except Exception as error:  # A user's function may raise anything.
             raise GridgenError(
                 f"the weight {self.source!r} cannot be evaluated: {error}. It must be a formula in x and y, a function "
-                "of two arrays (x, y), a number, or an array with one value per node"
+                "of two arrays (x, y), a number, or an array with one value per node or per cell"
             ) from error
+        if self.per_node and value.shape == (x.shape[0] - 1, x.shape[1] - 1):
+            value = nodal(value)
         if value.shape not in ((), x.shape):
-            raise GridgenError(f"the weight must have one value per node, shape {x.shape}; came {value.shape}")
+            cells = (x.shape[0] - 1, x.shape[1] - 1)
+            raise GridgenError(
+                f"the weight must have one value per node, shape {x.shape}, or an array one per cell, shape {cells}; "
+                f"came {value.shape}. Samples of another grid are given as Weight.on_grid(grid, values)"
+            )
         return np.ascontiguousarray(np.broadcast_to(value, x.shape))
 
     def _check(self, value: Array, what: str, x: Array, y: Array) -> None:
@@ -99,6 +160,12 @@ class Weight:
             raise GridgenError(
                 f"the {what} must be finite at every node; it is {value[i, j]} at node ({i}, {j}), "
                 f"x = {x[i, j]:.6g}, y = {y[i, j]:.6g}: check its formula there"
+            )
+        if np.abs(value).max() > _LARGEST:
+            i, j = divmod(int(np.abs(value).argmax()), value.shape[1])
+            raise GridgenError(
+                f"the {what} is {value[i, j]:.3g} at node ({i}, {j}), x = {x[i, j]:.6g}, y = {y[i, j]:.6g}, and its "
+                f"square overflows: divide it by a constant (at most {_LARGEST:g} is allowed)"
             )
 
     def _check_sign(self, value: Array, x: Array, y: Array) -> None:
@@ -111,8 +178,12 @@ class Weight:
             )
 
     def _derivative(self, along: str, x: Array, y: Array) -> Array:
-        if isinstance(self.source, str):
-            return _symbolic_derivative(self.source, along, x, y)
+        if isinstance(self.source, str) or is_expression(self.source):
+            with np.errstate(all="ignore"):
+                slope = compiled_formula(self.source, along)(x, y)
+            return np.ascontiguousarray(np.broadcast_to(slope, x.shape)).astype(float)
+        if isinstance(self.source, SampledField) and self.source.derivative is not None:
+            return self.source.derivative(x, y, along.count("x"), along.count("y"))
         return self._difference(along, x, y)
 
     def _difference(self, along: str, x: Array, y: Array) -> Array:
@@ -150,28 +221,3 @@ def _real(values: npt.ArrayLike) -> Array:
 def as_weight(weight: Weight | Source | None) -> Weight | None:
     """Return a weight given in any form as a `Weight`; a bare source is frozen, as in the paper."""
     return weight if weight is None or isinstance(weight, Weight) else Weight(weight)
-
-
-def _symbolic_derivative(formula: str, along: str, x: Array, y: Array) -> Array:
-    """Differentiate a formula exactly; loads SymPy."""
-    function = _lambdified(formula, along)
-    with np.errstate(all="ignore"):
-        return np.ascontiguousarray(np.broadcast_to(function(x, y), x.shape)).astype(float)
-
-
-_compiled: dict[tuple[str, str], Callable[[Array, Array], npt.ArrayLike]] = {}
-
-
-def _lambdified(formula: str, along: str) -> Callable[[Array, Array], npt.ArrayLike]:
-    if (formula, along) not in _compiled:
-        import sympy
-
-        from ..functionals.metric import symbol, sympy_functions
-
-        variables = {name: symbol(name) for name in "xy"}
-        expression = evaluate(formula, variables | {"pi": sympy.pi}, sympy_functions(), sympy.Rational)
-        derivative = sympy.diff(expression, *(variables[name] for name in along))
-        # Second derivatives of abs() are zero but on a line that no node need meet.
-        derivative = derivative.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
-        _compiled[formula, along] = sympy.lambdify(list(variables.values()), derivative, "numpy")
-    return _compiled[formula, along]
