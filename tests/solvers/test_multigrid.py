@@ -42,6 +42,11 @@ def interpolation(count, coarse_count):
     return matrix
 
 
+def stencil(level):
+    """The planes (count, ni, nj) that a level keeps row by row."""
+    return np.moveaxis(level.operator, 1, 0)[:, :, : level.fixed.shape[1]].astype(float)
+
+
 def dense(planes):
     """The matrix of a stencil over all nodes."""
     count, ni, nj = planes.shape
@@ -73,8 +78,8 @@ def test_coarse_operators_are_galerkins(shape, kind):
         planes, fixed = hessian(shape, inner_fixed=kind != "hessian" and min(shape) > 4)
         multigrid = Multigrid(fixed)
     assert multigrid.set_operator(planes)
-    levels = multigrid._arrays[:2]
-    fine, coarse = (dense(level.operator.astype(float)) for level in levels)
+    levels = multigrid.arrays[:2]
+    fine, coarse = (dense(stencil(level)) for level in levels)
     along_xi, along_eta = (
         interpolation(*counts) for counts in zip(*(level.fixed.shape for level in levels), strict=True)
     )
@@ -89,8 +94,9 @@ def test_conjugate_gradients_solve_with_the_hessian(shape):
     multigrid = Multigrid(fixed)
     assert multigrid.set_operator(planes)
     # The operator is kept in single precision, and that one is solved with.
-    kept = multigrid._arrays[0].operator.astype(float) * multigrid._size
-    np.testing.assert_allclose(kept, planes, atol=1e-6 * np.abs(planes).max())
+    kept = stencil(multigrid.arrays[0]) * multigrid.size
+    difference = (assemble_hessian(kept, fixed) - assemble_hessian(planes, fixed)).data
+    assert np.abs(difference).max() <= 1e-6 * np.abs(planes).max()
     matrix = assemble_hessian(kept, fixed)
     right = np.random.default_rng(0).normal(size=(2, *shape)) * (fixed == 0)
     solution = multigrid.solve(right, 1e-10)
@@ -102,9 +108,9 @@ def test_conjugate_gradients_solve_with_the_hessian(shape):
 @pytest.mark.parametrize("shape", [(9, 12), (7, 200), (64, 65)], ids=str)
 def test_bicgstab_solves_with_the_jacobian(shape):
     planes, fixed = jacobian(shape)
-    matrix = assemble_jacobian(planes, fixed)
     multigrid = GeneralMultigrid(fixed)
     assert multigrid.set_operator(planes)
+    matrix = assemble_jacobian(stencil(multigrid.arrays[0]) * multigrid.size, fixed)
     right = np.random.default_rng(0).normal(size=(2, *shape)) * (fixed == 0)
     solution = multigrid.solve(right, 1e-8)
     residual = matrix @ to_vector(solution.vector, fixed) - to_vector(right, fixed)
@@ -123,7 +129,7 @@ def test_an_indefinite_operator_is_told():
 
 
 def test_the_number_of_steps_does_not_grow_with_the_grid():
-    """4 times the nodes, and not one Newton step more; conjugate gradients grow slowly."""
+    """4 times the nodes, and hardly a step more, of Newton's method or of conjugate gradients."""
     steps, products = [], []
     for nodes in (33, 65, 129):
         result = gg.optimize(gg.domain("wavy", nodes, nodes), "winslow", tolerance=1e-8)
@@ -135,7 +141,7 @@ def test_the_number_of_steps_does_not_grow_with_the_grid():
         right = np.random.default_rng(0).normal(size=(2, nodes, nodes)) * (problem.fixed == 0)
         products.append(multigrid.solve(right, 1e-6).iterations)
     assert max(steps) <= min(steps) + 1
-    assert products[2] <= 2.5 * products[0]
+    assert max(products) <= 8
 
 
 @pytest.mark.parametrize("shape", [(7, 1000), (150, 9), (50, 77)], ids=str)

@@ -1,0 +1,120 @@
+/* Conjugate gradients, preconditioned by one V-cycle. */
+
+MULTIPLY_ROW(multiply_row, double)
+
+/* Vectors of an iteration, and one number per row for each of its three sums. */
+typedef struct {
+  double *x, *r, *p, *q, *norms, *products, *curvatures;
+} Vectors;
+
+static Vectors vectors_in(const Level *level, double *work) {
+  const int64_t size = 2 * level->ni * level->stride, ni = level->ni;
+  double *sums = work + 4 * size;
+  return (Vectors){work, work + size, work + 2 * size, work + 3 * size, sums, sums + ni, sums + 2 * ni};
+}
+
+/* x += alpha p, r -= alpha q, and the right-hand side of the V-cycle from r; returns r.r of a row. */
+APART double step_row(double alpha, const double *restrict p, const double *restrict q, double *restrict x,
+                      double *restrict r, float *restrict right, double scale, int64_t count) {
+  double norm = 0.0;
+#pragma omp simd reduction(+ : norm)
+  for (int64_t n = 0; n < count; ++n) {
+    x[n] += alpha * p[n];
+    const double rest = r[n] - alpha * q[n];
+    r[n] = rest, right[n] = (float)(scale * rest);
+    norm += rest * rest;
+  }
+  return norm;
+}
+
+/* z.r of a row */
+APART double product_row(const float *restrict z, const double *restrict r, int64_t count) {
+  double product = 0.0;
+#pragma omp simd reduction(+ : product)
+  for (int64_t n = 0; n < count; ++n) product += z[n] * r[n];
+  return product;
+}
+
+/* p = z + beta p of a row */
+APART void direction_row(double beta, const float *restrict z, double *restrict p, int64_t count) {
+#pragma omp simd
+  for (int64_t n = 0; n < count; ++n) p[n] = z[n] + beta * p[n];
+}
+
+/* One step of length alpha for all rows, 0 for the start; returns the norm of r, squared. */
+static double step(const Level *level, Team team, Vectors v, double alpha, double scale) {
+  const int64_t width = 2 * level->stride;
+  ROWS(level, team, i) {
+    const int64_t n = i * width;
+    v.norms[i] = step_row(alpha, v.p + n, v.q + n, v.x + n, v.r + n, level->right + n, scale, width);
+  }
+  return total(level, team, v.norms);
+}
+
+/* The next direction p from z, the solution of the V-cycle; z.r must be known for beta. */
+static double product_with_z(const Level *level, Team team, Vectors v) {
+  const int64_t width = 2 * level->stride;
+  ROWS(level, team, i) v.products[i] = product_row(level->solution + i * width, v.r + i * width, width);
+  return total(level, team, v.products);
+}
+
+/* p = z + beta p and q = A p; returns p.q */
+static double curvature_along(const Level *level, Team team, Vectors v, double beta) {
+  const int64_t S = level->stride, width = 2 * S;
+  ROWS(level, team, i) direction_row(beta, level->solution + i * width, v.p + i * width, width);
+  wait_for(team);
+  ROWS(level, team, i) {
+    const double *p = v.p + i * width;
+    v.curvatures[i] = multiply_row(level->operator+ i * PLANES * S, p, p, v.q + i * width, level->nj, S);
+  }
+  return total(level, team, v.curvatures);
+}
+
+/* The iteration, run by all threads of a team alike; returns the number of steps, negative as below. */
+static int64_t iterate(const Level *levels, int64_t count, Team team, Vectors v, double tolerance, int64_t limit,
+                       double *reduction) {
+  const int64_t nodes = levels->ni * levels->nj;
+  double norm = step(levels, team, v, 0.0, 0.0), previous = 1.0;
+  const double first = norm, enough = tolerance * tolerance * first;
+  const double scale = first > 0.0 ? 1.0 / sqrt(first / (double)nodes) : 1.0; /* keeps single precision in range */
+  wait_for(team);
+  norm = step(levels, team, v, 0.0, scale);
+  int64_t done = 0;
+  while (done < limit && norm > enough) {
+    v_cycle(levels, count, team);
+    const double product = product_with_z(levels, team, v);
+    const double curvature = curvature_along(levels, team, v, done == 0 ? 0.0 : product / previous);
+    ++done;
+    if (!(curvature > 0.0) || !(product > 0.0)) {
+      done = -done;
+      break;
+    }
+    norm = step(levels, team, v, product / curvature, scale);
+    previous = product;
+  }
+  if (team.rank == 0) *reduction = first > 0.0 ? sqrt(norm / first) : 0.0;
+  return done;
+}
+
+/* Solve A solution = factor right to a relative residual, A being the finest level's; right and solution are planes
+ * (2, ni, nj), zero at fixed nodes. work has 4 vectors of zeros, then 3 ni numbers. Returns the number of iterations,
+ * negative if a direction of negative curvature was met (the solution is then the iterate before it, or the right-hand
+ * side at the first). */
+EXPORT int64_t solve(const Level *levels, int64_t count, const double *right, double *solution, double *work,
+                     double tolerance, int64_t limit, double factor, double *reduction) {
+  const Vectors v = vectors_in(levels, work);
+  int64_t iterations = 0;
+  WITH_TEAM(team, levels->threads) {
+    ROWS(levels, team, i)
+      for (double *vector = v.x; vector <= v.q; vector += v.r - v.x)
+        if (vector != v.r) memset(vector + 2 * i * levels->stride, 0, 2 * levels->stride * sizeof(double));
+    take_vector(levels, team, right, v.r);
+    wait_for(team);
+    const int64_t done = iterate(levels, count, team, v, tolerance, limit, reduction);
+    if (done == -1) take_vector(levels, team, right, v.x);
+    wait_for(team);
+    give_vector(levels, team, v.x, solution, factor);
+    if (team.rank == 0) iterations = done;
+  }
+  return iterations;
+}

@@ -1,0 +1,147 @@
+/* Setting up a level: its operator, from planes or from the level above, and the pivots of its lines. */
+
+/* Fine index of a coarse one. */
+INLINE int64_t fine_index(int64_t coarse, int64_t coarse_count, int64_t fine_count) {
+  if (coarse_count == fine_count) return coarse;
+  return coarse < coarse_count - 1 ? 2 * coarse : fine_count - 1;
+}
+
+/* Whether a fine node lies between a coarse one and the next. */
+INLINE int node_between(int64_t coarse, int64_t coarse_count, int64_t fine_count) {
+  if (coarse < 0 || coarse >= coarse_count - 1) return 0;
+  return fine_index(coarse + 1, coarse_count, fine_count) - fine_index(coarse, coarse_count, fine_count) == 2;
+}
+
+/* Set the finest operator: planes (PLANES, ni, nj) times a factor, without couplings to fixed nodes. */
+EXPORT void take_planes(const Level *level, const double *planes, double factor) {
+  const int64_t ni = level->ni, nj = level->nj, S = level->stride, R = PLANES * S;
+  memset(level->operator, 0, R * sizeof(float));
+  memset(level->operator + (ni - 1) * R, 0, R * sizeof(float));
+  WITH_TEAM(team, level->threads)
+    ROWS(level, team, i)
+      for (int plane = 0; plane < PLANES; ++plane) {
+        int64_t di, dj;
+        neighbor_of(plane, &di, &dj);
+        const uint8_t *restrict here = level->fixed + i * nj, *restrict there = here + di * nj + dj;
+        const double *restrict from = planes + (plane * ni + i) * nj;
+        float *restrict to = level->operator+ i * R + plane * S;
+        to[0] = to[nj - 1] = 0.0f;
+        for (int64_t j = 1; j < nj - 1; ++j) to[j] = (here[j] | there[j]) ? 0.0f : (float)(factor * from[j]);
+      }
+}
+
+/* Set Galerkin's operator, with bilinear interpolation, one direction after the other. `rows` has PLANES fine rows for
+ * every thread of the fine level. */
+EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
+  const int64_t S = fine->stride, C = coarse->stride;
+  WITH_TEAM(team, fine->threads) {
+    const int64_t first = share(coarse->ni, team.rank, team.size), last = share(coarse->ni, team.rank + 1, team.size);
+    float *row = rows + team.rank * PLANES * S;
+    for (int64_t i = first; i < last; ++i) {
+      const float *from = fine->operator+ fine_index(i, coarse->ni, fine->ni) * PLANES * S;
+      float *to = coarse->operator+ i * PLANES * C;
+      const int halved = coarse->nj != fine->nj;
+      coarsen_along_i(from, halved ? row : to, fine->nj, S, node_between(i, coarse->ni, fine->ni),
+                      node_between(i - 1, coarse->ni, fine->ni));
+      for (int64_t j = 0; halved && j < coarse->nj; ++j)
+        coarsen_along_j(row + fine_index(j, coarse->nj, fine->nj), to + j, S, C, node_between(j, coarse->nj, fine->nj),
+                        node_between(j - 1, coarse->nj, fine->nj));
+    }
+  }
+}
+
+/* A 2x2 block. */
+typedef struct {
+  double xx, xy, yx, yy;
+} Block;
+
+/* Whether a block can be inverted; in a symmetric stencil it must be positive definite. */
+INLINE int is_usable(Block b) {
+  const double determinant = b.xx * b.yy - b.xy * b.yx;
+#if SYMMETRIC
+  return b.xx > 0.0 && determinant > 1e-7 * b.xx * b.yy;
+#else
+  return fabs(determinant) > 1e-7 * (fabs(b.xx * b.yy) + fabs(b.xy * b.yx));
+#endif
+}
+
+/* The inverse of a pivot of block elimination along a line, own - down previous up: `previous` is the inverse pivot of the
+ * node before, `down` couples with it, and `up` it with this one. Where the line's matrix is not definite, or nearly so,
+ * the block itself stands in for the pivot: what is solved with stays definite. Zero at fixed nodes. */
+INLINE Block invert_pivot(Block own, Block down, Block previous, Block up, int fixed) {
+  const Block t = {previous.xx * up.xx + previous.xy * up.yx, previous.xx * up.xy + previous.xy * up.yy,
+                   previous.yx * up.xx + previous.yy * up.yx, previous.yx * up.xy + previous.yy * up.yy};
+  Block pivot = {own.xx - down.xx * t.xx - down.xy * t.yx, own.xy - down.xx * t.xy - down.xy * t.yy,
+                 own.yx - down.yx * t.xx - down.yy * t.yx, own.yy - down.yx * t.xy - down.yy * t.yy};
+  const int stands = is_usable(pivot) && (!SYMMETRIC || (pivot.xx > 1e-6 * own.xx && pivot.yy > 1e-6 * own.yy));
+  pivot = stands ? pivot : own;
+  const double scale = !fixed && is_usable(own) ? 1.0 / (pivot.xx * pivot.yy - pivot.xy * pivot.yx) : 0.0;
+  return (Block){scale * pivot.yy, -scale * pivot.xy, -scale * pivot.yx, scale * pivot.xx};
+}
+
+#define GET(of, a) ((Block){of(a, 0), of(a, 1), of(a, 2), of(a, 3)})
+#define SET(of, a, block) (of(a, 0) = (float)(block).xx, of(a, 1) = (float)(block).xy, of(a, 2) = (float)(block).yx, of(a, 3) = (float)(block).yy)
+
+/* Lines along i that are eliminated side by side, and lines along j. */
+enum { COLUMNS = 128, TOGETHER = 4 };
+
+/* Pivots of `count` lines along i, at one row; `previous` has those of the row before, and then these. In double
+ * precision: on sheared cells the pivots are nearly singular. */
+APART void factor_row(const float *restrict a, double *restrict previous, float *restrict p,
+                      const uint8_t *restrict fixed, int64_t count, int64_t S) {
+  const int64_t R = PLANES * S;
+  double *restrict xx = previous, *restrict xy = xx + COLUMNS, *restrict yx = xy + COLUMNS, *restrict yy = yx + COLUMNS;
+#pragma omp simd
+  for (int64_t j = 0; j < count; ++j) {
+    const Block before = {xx[j], xy[j], yx[j], yy[j]}, up = GET(NEXT_I, a - R);
+    const Block inverse = invert_pivot(GET(OWN, a), GET(PREVIOUS_I, a), before, up, fixed[j]);
+    SET(PIVOT, p, inverse);
+    xx[j] = inverse.xx, xy[j] = inverse.xy, yx[j] = inverse.yx, yy[j] = inverse.yy;
+  }
+}
+
+static void factor_along_i(const Level *level, int64_t column, int64_t count) {
+  const int64_t S = level->stride;
+  double previous[4 * COLUMNS] = {0.0};
+  for (int64_t i = 1; i < level->ni - 1; ++i)
+    factor_row(level->operator+ i * PLANES * S + column, previous, level->pivots_i + i * PIVOTS * S + column,
+               level->fixed + i * level->nj + column, count, S);
+}
+
+/* Pivots of the lines along j at `rows` rows, side by side, since each step waits for the one before; returns how many
+ * free nodes have a block that is not usable. */
+INLINE int64_t factor_lines(const float *restrict a, float *restrict p, const uint8_t *restrict fixed, int64_t nj, int64_t S,
+                            int rows) {
+  int64_t unusable = 0;
+  Block previous[TOGETHER] = {{0.0}};
+  for (int64_t j = 1; j < nj - 1; ++j)
+    for (int k = 0; k < rows; ++k) {
+      const float *of = a + k * PLANES * S;
+      float *at = p + k * PIVOTS * S;
+      const Block own = GET(OWN, of), up = GET(NEXT_J, of - 1);
+      previous[k] = invert_pivot(own, GET(PREVIOUS_J, of), previous[k], up, fixed[k * nj + j]);
+      SET(PIVOT, at, previous[k]);
+      unusable += !fixed[k * nj + j] && !is_usable(own);
+    }
+  return unusable;
+}
+
+/* Eliminate along all lines; returns how many free nodes have a block that is not usable. */
+EXPORT int64_t factor(const Level *level) {
+  const int64_t nj = level->nj, S = level->stride, R = PLANES * S, P = PIVOTS * S;
+  int64_t unusable = 0;
+  WITH_TEAM(team, level->threads) {
+    const int64_t right = 1 + share(nj - 2, team.rank + 1, team.size);
+    for (int64_t j = 1 + share(nj - 2, team.rank, team.size); j < right; j += COLUMNS)
+      factor_along_i(level, j, right - j < COLUMNS ? right - j : COLUMNS);
+    const int64_t end = 1 + share(level->ni - 2, team.rank + 1, team.size);
+    int64_t i = 1 + share(level->ni - 2, team.rank, team.size), found = 0;
+    for (; i + TOGETHER <= end; i += TOGETHER)
+      found += factor_lines(level->operator+ i * R, level->pivots_j + i * P, level->fixed + i * nj, nj, S, TOGETHER);
+    for (; i < end; ++i)
+      found += factor_lines(level->operator+ i * R, level->pivots_j + i * P, level->fixed + i * nj, nj, S, 1);
+#pragma omp atomic
+    unusable += found;
+  }
+  return unusable;
+}
