@@ -29,12 +29,12 @@ INLINE void neighbor_of(int plane, int64_t *di, int64_t *dj) { *di = plane / 12 
  * the mean of them. With M, U, D a row's couplings with itself, the next and the previous one, o the row between,
  * A_II = M_p + (U_p + D_o)/2 + M_o/4 + the same below, A_I,I+1 = (U_p + U_o)/2 + M_o/4, A_I,I-1 = (D_p + D_o)/2 + M_o/4.
  * above, below: whether there is a row between this one and the next, and the previous one. */
-APART void coarsen_along_i(const float *restrict a, float *restrict c, int64_t nj, int64_t S, int above, int below) {
+APART void coarsen_row(const float *restrict a, float *restrict c, int64_t nj, int64_t S, int above, int below) {
   const int64_t R = PLANES * S;
   for (int part = 0; part < 12; ++part) {
     const float *down = a + part * S, *middle = down + 12 * S, *up = down + 24 * S;
     float *to = c + part * S;
-    for (int64_t j = 0; j < nj; ++j) {
+    for (int64_t j = 1; j < nj - 1; ++j) {
       float self = middle[j], forth = up[j], back = down[j];
       if (above) {
         self += 0.5f * (up[j] + down[R + j]) + 0.25f * middle[R + j];
@@ -51,7 +51,7 @@ APART void coarsen_along_i(const float *restrict a, float *restrict c, int64_t n
 
 /* The same along j for one coarse node: `a` and `c` point to the fine and the coarse node, S and C numbers from entry to
  * entry. */
-INLINE void coarsen_along_j(const float *restrict a, float *restrict c, int64_t S, int64_t C, int above, int below) {
+INLINE void coarsen_node(const float *restrict a, float *restrict c, int64_t S, int64_t C, int above, int below) {
   for (int row = 0; row < 3; ++row)
     for (int e = 0; e < 4; ++e) {
       const float *left = a + (12 * row + e) * S, *middle = left + 4 * S, *right = left + 8 * S;

@@ -30,22 +30,29 @@ EXPORT void take_planes(const Level *level, const double *planes, double factor)
       }
 }
 
-/* Set Galerkin's operator, with bilinear interpolation, one direction after the other. `rows` has PLANES fine rows for
- * every thread of the fine level. */
+/* Nearly all coarse columns lie two fine ones apart. */
+APART void coarsen_along_j(const float *restrict from, float *restrict to, int64_t fine_nj, int64_t nj, int64_t S,
+                           int64_t C) {
+#pragma omp simd
+  for (int64_t j = 1; j < nj - 2; ++j) coarsen_node(from + 2 * j, to + j, S, C, 1, 1);
+  coarsen_node(from + 2 * (nj - 2), to + nj - 2, S, C, node_between(nj - 2, nj, fine_nj), 1);
+}
+
+/* Set Galerkin's operator, with bilinear interpolation, one direction after the other. The nodes of the boundary are
+ * coupled with nothing. `rows` has PLANES fine rows for every thread of the fine level. */
 EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
-  const int64_t S = fine->stride, C = coarse->stride;
+  const int64_t S = fine->stride, C = coarse->stride, ni = coarse->ni, nj = coarse->nj;
+  memset(coarse->operator, 0, PLANES * C * sizeof(float));
+  memset(coarse->operator+(ni - 1) * PLANES * C, 0, PLANES * C * sizeof(float));
   WITH_TEAM(team, fine->threads) {
-    const int64_t first = share(coarse->ni, team.rank, team.size), last = share(coarse->ni, team.rank + 1, team.size);
     float *row = rows + team.rank * PLANES * S;
-    for (int64_t i = first; i < last; ++i) {
-      const float *from = fine->operator+ fine_index(i, coarse->ni, fine->ni) * PLANES * S;
+    ROWS(coarse, team, i) {
+      const float *from = fine->operator+ fine_index(i, ni, fine->ni) * PLANES * S;
       float *to = coarse->operator+ i * PLANES * C;
-      const int halved = coarse->nj != fine->nj;
-      coarsen_along_i(from, halved ? row : to, fine->nj, S, node_between(i, coarse->ni, fine->ni),
-                      node_between(i - 1, coarse->ni, fine->ni));
-      for (int64_t j = 0; halved && j < coarse->nj; ++j)
-        coarsen_along_j(row + fine_index(j, coarse->nj, fine->nj), to + j, S, C, node_between(j, coarse->nj, fine->nj),
-                        node_between(j - 1, coarse->nj, fine->nj));
+      const int above = node_between(i, ni, fine->ni), below = node_between(i - 1, ni, fine->ni);
+      coarsen_row(from, nj == fine->nj ? to : row, fine->nj, S, above, below);
+      if (nj != fine->nj) coarsen_along_j(row, to, fine->nj, nj, S, C);
+      for (int entry = 0; entry < PLANES; ++entry) to[entry * C] = to[entry * C + nj - 1] = 0.0f;
     }
   }
 }

@@ -37,43 +37,34 @@ INLINE void neighbor_of(int plane, int64_t *di, int64_t *dj) {
  * mean of them. A_II = S_p + (N_p + N_p')/2 + (N_o + N_o')/2 + (S_o + S_o+)/4 and A_I,I+1 = (N_p + N_o)/2 + S_o/4,
  * where S is a row's coupling with itself, N that with the next row, o the row between.
  * above, below: whether there is a row between this one and the next, and the previous one. */
-APART void coarsen_along_i(const float *restrict a, float *restrict c, int64_t nj, int64_t S, int above, int below) {
-  const int64_t R = PLANES * S;
+APART void coarsen_row(const float *restrict a, float *restrict c, int64_t nj, int64_t S, int above, int below) {
+  /* Weights instead of conditions: of the row itself, the row above and the row below. */
+  const float half_above = above ? 0.5f : 0.0f, half_below = below ? 0.5f : 0.0f, own = above ? 0.5f : 1.0f;
+  const float quarter_above = 0.5f * half_above, quarter_below = 0.5f * half_below;
+  const float *restrict next = a + PLANES * S, *restrict previous = a - PLANES * S;
   for (int e = 0; e < 3; ++e) {
     const int xy = e == 0 ? 0 : e == 1 ? 1 : 3, yx = transposed[xy];
-    for (int64_t j = 0; j < nj; ++j) {
-      float sum = a[e * S + j];
-      if (above) sum += 0.5f * (a[(3 + xy) * S + j] + a[(3 + yx) * S + j]) + 0.25f * a[e * S + R + j];
-      if (below) sum += 0.5f * (a[(3 + xy) * S - R + j] + a[(3 + yx) * S - R + j]) + 0.25f * a[e * S - R + j];
-      c[e * S + j] = sum;
-    }
+    const int64_t at = e * S, n = (3 + xy) * S, m = (3 + yx) * S;
+    for (int64_t j = 1; j < nj - 1; ++j)
+      c[at + j] = a[at + j] + half_above * (a[n + j] + a[m + j]) + quarter_above * next[at + j] +
+                  half_below * (previous[n + j] + previous[m + j]) + quarter_below * previous[at + j];
   }
   for (int e = 0; e < 4; ++e) {
-    const int t = transposed[e], s = stored[e];
-    for (int64_t j = 0; j < nj; ++j) {
-      const int64_t left = j > 0 ? j - 1 : 0, right = j < nj - 1 ? j + 1 : j;
-      const float inside = j < nj - 1 ? 1.0f : 0.0f, inside_left = j > 0 ? 1.0f : 0.0f;
-      float along = a[(7 + e) * S + j];
-      if (above)
-        along += inside * 0.5f * (a[(11 + e) * S + j] + a[(15 + t) * S + right]) + 0.25f * a[(7 + e) * S + R + j];
-      if (below)
-        along +=
-            inside * 0.5f * (a[(11 + e) * S - R + j] + a[(15 + t) * S - R + right]) + 0.25f * a[(7 + e) * S - R + j];
-      c[(7 + e) * S + j] = along;
-      float up = a[(3 + e) * S + j], up_right = a[(11 + e) * S + j], up_left = a[(15 + e) * S + j];
-      if (above) {
-        up = 0.5f * (up + a[(3 + e) * S + R + j]) + 0.25f * a[s * S + R + j];
-        up_right = 0.5f * (up_right + a[(11 + e) * S + R + j]) + 0.25f * a[(7 + e) * S + R + j];
-        up_left = 0.5f * (up_left + a[(15 + e) * S + R + j]) + 0.25f * inside_left * a[(7 + t) * S + R + left];
-      }
-      c[(3 + e) * S + j] = up, c[(11 + e) * S + j] = up_right, c[(15 + e) * S + j] = up_left;
+    const int64_t self = stored[e] * S, up = (3 + e) * S, along = (7 + e) * S, right = (11 + e) * S, left = (15 + e) * S;
+    const int64_t along_t = (7 + transposed[e]) * S, left_t = (15 + transposed[e]) * S;
+    for (int64_t j = 1; j < nj - 1; ++j) {
+      c[along + j] = a[along + j] + half_above * (a[right + j] + a[left_t + j + 1]) + quarter_above * next[along + j] +
+                     half_below * (previous[right + j] + previous[left_t + j + 1]) + quarter_below * previous[along + j];
+      c[up + j] = own * a[up + j] + half_above * next[up + j] + quarter_above * next[self + j];
+      c[right + j] = own * a[right + j] + half_above * next[right + j] + quarter_above * next[along + j];
+      c[left + j] = own * a[left + j] + half_above * next[left + j] + quarter_above * next[along_t + j - 1];
     }
   }
 }
 
 /* The same along j for one coarse node: `a` and `c` point to the fine and the coarse node, S and C numbers from entry to
  * entry. */
-INLINE void coarsen_along_j(const float *restrict a, float *restrict c, int64_t S, int64_t C, int above, int below) {
+INLINE void coarsen_node(const float *restrict a, float *restrict c, int64_t S, int64_t C, int above, int below) {
   for (int e = 0; e < 3; ++e) {
     const int xy = e == 0 ? 0 : e == 1 ? 1 : 3, yx = transposed[xy];
     float sum = a[e * S];
