@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .grid import FloatArray, Grid
 from .neck import Node, crowded_nodes
-from .polygon import first_repeated, proper_crossings, turns, winding_number
+from .polygon import first_repeated, inner_angles, proper_crossings, turns, winding_number
 from .predicates import area_sign, orientation
 
 Kind = Literal["coincident", "crossing", "clockwise", "corner", "spike", "neck"]
@@ -217,14 +217,6 @@ def _necks(grid: Grid) -> list[Certificate]:
         )
         found.append(Certificate("neck", nodes, point, {}, message))
     return found
-
-
-def inner_angles(before: FloatArray, at: FloatArray, after: FloatArray) -> FloatArray:
-    """Return the angles in degrees, in [0, 360), at points of a counter-clockwise polygon, shapes (n, 2) -> (n,)."""
-    scale = max(float(np.abs(array).max()) for array in (before, at, after)) or 1.0
-    to, back = after / scale - at / scale, before / scale - at / scale
-    cross = to[:, 0] * back[:, 1] - to[:, 1] * back[:, 0]
-    return np.asarray(np.degrees(np.arctan2(cross, (to * back).sum(axis=1))) % 360.0)
 
 
 def _corner_places(ni: int, nj: int) -> NDArray[np.intp]:

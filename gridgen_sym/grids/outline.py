@@ -6,19 +6,32 @@ import os
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gridgen_sym.errors import GridgenError
 
 from ..atomic import read_bytes, write_bytes
-from .grid import FloatArray, Grid, check_counts, real_array
+from ..messages import say
+from .corners import CornerChoice, Corners, automatic_corners, corner_penalty, settled_corners
+from .grid import FloatArray, Grid, check_counts
+from .outline_checks import (
+    checked_choice,
+    checked_corners,
+    checked_points,
+    corners_of_turns,
+    crossing_text,
+    run_backwards,
+)
 from .outline_file import parse_outline
-from .polygon import first_crossing, first_repeated, is_clockwise
+from .polygon import first_crossing, first_repeated, inner_angles, is_clockwise
+from .sampling import Sampling, sample
 from .transfinite import transfinite
 
-Corners = tuple[int, int, int, int]
+#: Nodes of the grid for which an outline's own corners are chosen automatically.
+_NOMINAL = 65
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False)
@@ -38,12 +51,21 @@ class Outline:
     corners: Corners
     name: str
 
-    def __init__(self, points: ArrayLike, corners: ArrayLike, name: str = "outline", *, reorient: bool = False) -> None:
+    def __init__(
+        self,
+        points: ArrayLike,
+        corners: ArrayLike | Literal["auto"],
+        name: str = "outline",
+        *,
+        reorient: bool = False,
+    ) -> None:
         """Copy and check an outline.
 
         Args:
             points: shape (N, 2), N >= 4, finite, no two in succession equal, not crossing itself.
-            corners: four increasing indices, the first 0.
+            corners: four increasing indices, the first 0; or N marks, 1 at the four corners and 0 elsewhere, as
+                pygridgen's `beta`; or 'auto': the best four for a square of cells, see `choose_corners`. With the
+                last two, the points are rolled so that the first corner comes first.
             name: what to call it in messages.
             reorient: accept a clockwise curve, by running it backwards from its second corner: bottom and top
                 stay on their curves, left and right change places.
@@ -51,11 +73,16 @@ class Outline:
         Raises:
             GridgenError: naming the outline, the fault, its place and the repair.
         """
-        array = _checked_points(points, name)
-        checked = _checked_corners(corners, len(array), name)
+        array = checked_points(points, name)
+        automatic = isinstance(corners, str) and corners == "auto"
+        marked = None if isinstance(corners, str) else corners_of_turns(corners, array, name)
+        if marked is not None:
+            first = checked_choice(marked, len(array), name)[0]
+            array, corners = np.roll(array, -first, axis=0), np.asarray(marked) - first
+        checked = (0, 1, 2, 3) if automatic else checked_corners(corners, len(array), name)
         crossing = first_crossing(array)
         if crossing is not None:
-            raise GridgenError(f"the outline '{name}' crosses or touches itself: {_crossing_text(array, crossing)}")
+            raise GridgenError(f"the outline '{name}' crosses or touches itself: {crossing_text(array, crossing)}")
         clockwise = is_clockwise(array)
         if clockwise and not reorient:
             raise GridgenError(
@@ -64,13 +91,21 @@ class Outline:
                 "right change places"
             )
         if clockwise:
-            array, checked = _reversed(array, checked)
+            array, checked = run_backwards(array, checked)
+        if automatic:
+            array, checked = _rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
         array.setflags(write=False)
         for field, value in (("points", array), ("corners", checked), ("name", name)):
             object.__setattr__(self, field, value)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], *, reorient: bool = False) -> Outline:
+    def read(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        corners: ArrayLike | Literal["auto"] | None = None,
+        reorient: bool = False,
+    ) -> Outline:
         """Read an outline from a CSV file.
 
         The file has comment lines (``# name: NAME`` and ``# corners: c0 c1 c2 c3``; others are ignored), the
@@ -78,6 +113,7 @@ class Outline:
 
         Args:
             path: the file.
+            corners: instead of those of the file, which then need not have any; as for `Outline`.
             reorient: as for `Outline`.
 
         Raises:
@@ -85,9 +121,15 @@ class Outline:
                 outline.
         """
         text = read_bytes(path).decode("utf-8-sig", errors="replace")
-        name, corners, points = parse_outline(text, path)
+        name, listed, points = parse_outline(text, path)
+        chosen = listed if corners is None else corners
+        if chosen is None:
+            raise GridgenError(
+                f"cannot read {path}: it has no corners; add a line like '# corners: 0 10 20 30' above 'x,y', or let "
+                "them be chosen with corners='auto' (--corners auto)"
+            )
         try:
-            return cls(points, corners, name or Path(path).stem, reorient=reorient)
+            return cls(points, chosen, name or Path(path).stem, reorient=reorient)
         except GridgenError as error:
             raise GridgenError(f"cannot use {path}: {error}") from error
 
@@ -105,38 +147,102 @@ class Outline:
         lines = [*head, *(f"{x:.17g},{y:.17g}" for x, y in self.points.tolist()), ""]
         write_bytes(path, "\n".join(lines).encode())
 
-    def sides(self, ni: int, nj: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Sample bottom, top, shape (ni, 2), and left, right, shape (nj, 2), at equal arc lengths.
+    def choose_corners(
+        self,
+        ni: int,
+        nj: int,
+        corners: ArrayLike | Literal["auto"] | None = None,
+        sampling: Sampling = "features",
+    ) -> CornerChoice:
+        """Return the corners of a grid of ni x nj nodes, and how good they are.
 
-        They run as the sides of a grid do. Arc length is that of the polygon. Corners are kept bit by bit.
+        Args:
+            ni: nodes along bottom and top.
+            nj: nodes along left and right.
+            corners: None for those of the outline, of which one at which the boundary nodes make a straight or reflex
+                angle (170 degrees or more) is moved to the nearest convex turn; 'auto' for the choice of least
+                penalty (see `CornerChoice`), moved likewise; or four indices of points, which are kept.
+            sampling: as for `sides`.
 
         Raises:
-            GridgenError: for fewer than 3 nodes.
+            GridgenError: for fewer than 3 nodes, or corners or a sampling that are none of these.
         """
         check_counts(ni, nj)
-        closed = np.concatenate((self.points, self.points[:1]))
-        ends = (*self.corners, len(self.points))
-        pieces = (closed[first : last + 1] for first, last in pairwise(ends))
-        bottom, right, top, left = (
-            _sampled(piece, count) for piece, count in zip(pieces, (ni, nj, ni, nj), strict=True)
-        )
-        return bottom, top[::-1], left[::-1], right
+        _check_sampling(sampling)
+        if isinstance(corners, str) and corners == "auto":
+            wanted = automatic_corners(self.points, ni, nj)
+        else:
+            wanted = self.corners if corners is None else checked_choice(corners, len(self.points), self.name)
 
-    def grid(self, ni: int, nj: int) -> Grid:
-        """Return the transfinite grid of ni x nj nodes, at equal arc length on each side of the outline.
+        def angles_of(choice: Corners) -> FloatArray:
+            return _corner_angles(_sampled(self.points, choice, ni, nj, sampling))
+
+        if corners is None or isinstance(corners, str):
+            chosen, moved = settled_corners(self.points, wanted, (ni, nj), angles_of)
+        else:
+            chosen, moved = wanted, ()
+        before, after = angles_of(wanted), angles_of(chosen)
+        a0, a1, a2, a3 = after.tolist()
+        penalty = float(corner_penalty(self.points, np.array([chosen]), ni, nj)[0])
+        said = "; ".join(
+            f"corner {k} of '{self.name}' is moved from point {wanted[k]}, where the boundary's nodes make an angle of "
+            f"{before[k]:.4g} degrees, to point {chosen[k]}, where they make {after[k]:.4g}"
+            for k in moved
+        )
+        said += "; give the corners as indices to keep them where they are" if said else ""
+        return CornerChoice(chosen, (a0, a1, a2, a3), penalty, moved, said)
+
+    def sides(
+        self,
+        ni: int,
+        nj: int,
+        corners: ArrayLike | Literal["auto"] | None = None,
+        sampling: Sampling = "features",
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Sample bottom, top, shape (ni, 2), and left, right, shape (nj, 2).
+
+        They run as the sides of a grid do. Corners are kept bit by bit.
+
+        Args:
+            ni: nodes along bottom and top.
+            nj: nodes along left and right.
+            corners: as for `choose_corners`; a moved corner is told on standard error.
+            sampling: 'features' keeps sharp turns of the outline as nodes where there are nodes enough, and lets the
+                spacing vary smoothly between them; 'equal' has nodes at equal arc lengths of each side's polygon.
 
         Raises:
-            GridgenError: for too few nodes, or when the polygon of the sampled nodes crosses itself, so that
-                no valid grid can exist.
+            GridgenError: as for `choose_corners`.
         """
-        bottom, top, left, right = self.sides(ni, nj)
+        choice = self.choose_corners(ni, nj, corners, sampling)
+        if choice.message:
+            say(choice.message)
+        bottom, right, top, left = _sampled(self.points, choice.corners, ni, nj, sampling)
+        return bottom, top[::-1], left[::-1], right
+
+    def grid(
+        self,
+        ni: int,
+        nj: int,
+        corners: ArrayLike | Literal["auto"] | None = None,
+        sampling: Sampling = "features",
+    ) -> Grid:
+        """Return the transfinite grid of ni x nj nodes between the sides that `sides` samples.
+
+        Raises:
+            GridgenError: as for `sides`, and when two of the sampled nodes are one point or their polygon crosses
+                itself, so that any grid would have folded or overlapping cells.
+        """
+        bottom, top, left, right = self.sides(ni, nj, corners, sampling)
         ring = np.concatenate((bottom[:-1], right[:-1], top[:0:-1], left[:0:-1]))
+        fault = f"with {ni} x {nj} nodes the sampled boundary of '{self.name}'"
+        repeated = first_repeated(ring)
+        if repeated is not None:
+            raise GridgenError(f"{fault} has two nodes at the point {ring[repeated].tolist()}; take fewer nodes")
         crossing = first_crossing(ring)
         if crossing is not None:
             raise GridgenError(
-                f"with {ni} x {nj} nodes the sampled boundary of '{self.name}' crosses itself, so that no "
-                f"valid grid exists: {_crossing_text(ring, crossing)} (counted along the sampled boundary); "
-                "take more nodes"
+                f"{fault} crosses itself, so that no valid grid exists: {crossing_text(ring, crossing)} (counted along "
+                "the sampled boundary); take more nodes"
             )
         return transfinite(bottom, top, left, right)
 
@@ -151,61 +257,27 @@ class Outline:
         return hash((self.corners, (self.points + 0.0).tobytes()))
 
 
-def _checked_points(points: ArrayLike, name: str) -> FloatArray:
-    """Return a copy of the vertices: finite, enough of them, none repeated at once."""
-    array = real_array(points, f"the points of the outline '{name}'").copy()
-    if array.ndim != 2 or array.shape[1] != 2 or len(array) < 4:
-        raise GridgenError(
-            f"the outline '{name}' needs points of shape (N, 2) with N >= 4, but came with {array.shape}"
-        )
-    bad = ~np.isfinite(array).all(axis=1)
-    if bad.any():
-        k = int(bad.argmax())
-        raise GridgenError(f"every point of the outline '{name}' must be finite, but point {k} is {array[k].tolist()}")
-    repeated = first_repeated(array)
-    if repeated is not None:
-        closing = " (a closed curve does not repeat its first point)" if repeated == len(array) - 1 else ""
-        following = (repeated + 1) % len(array)
-        raise GridgenError(
-            f"the outline '{name}' repeats a point: {repeated} and {following} are both "
-            f"{array[repeated].tolist()}; "
-            f"remove point {max(repeated, following)}{closing}"
-        )
-    return array
+def _check_sampling(sampling: str) -> None:
+    """Raise a `GridgenError` unless there is such a sampling."""
+    if sampling not in ("features", "equal"):
+        raise GridgenError(f"sampling must be 'features' or 'equal', but is {sampling!r}")
 
 
-def _checked_corners(corners: ArrayLike, count: int, name: str) -> Corners:
-    """Return the corners as four whole numbers: 0 < c1 < c2 < c3 < count."""
-    values = real_array(corners, f"the corners of the outline '{name}'")
-    listed = values.tolist()
-    whole = values.shape == (4,) and np.isfinite(values).all() and (values % 1 == 0).all()
-    if not whole or values[0] != 0 or not (np.diff(values) > 0).all() or not values[-1] < count:
-        raise GridgenError(
-            f"the corners of the outline '{name}' must be four increasing indices from 0 to {count - 1}, "
-            f"the first 0, but are {listed}: roll the points so that the first corner comes first"
-        )
-    c0, c1, c2, c3 = (int(value) for value in values)
-    return c0, c1, c2, c3
+def _rolled(points: FloatArray, corners: Corners) -> tuple[FloatArray, Corners]:
+    """Roll a curve so that its first corner comes first."""
+    c0, c1, c2, c3 = ((corner - corners[0]) % len(points) for corner in corners)
+    return np.roll(points, -corners[0], axis=0), (c0, c1, c2, c3)
 
 
-def _reversed(points: FloatArray, corners: Corners) -> tuple[FloatArray, Corners]:
-    """Run a curve backwards from its corner 1, so that bottom and top stay on their curves."""
-    count, (_, c1, c2, c3) = len(points), corners
-    order: NDArray[np.intp] = (c1 - np.arange(count)) % count
-    return np.ascontiguousarray(points[order]), (0, c1, c1 + count - c3, c1 + count - c2)
+def _sampled(points: FloatArray, corners: Corners, ni: int, nj: int, sampling: Sampling) -> list[FloatArray]:
+    """Return the nodes of bottom, right, top and left, all counter-clockwise."""
+    rolled, places = _rolled(points, corners)
+    closed = np.concatenate((rolled, rolled[:1]))
+    pieces = (closed[first : last + 1] for first, last in pairwise((*places, len(points))))
+    return [sample(piece, count, sampling) for piece, count in zip(pieces, (ni, nj, ni, nj), strict=True)]
 
 
-def _sampled(piece: FloatArray, count: int) -> FloatArray:
-    """Return `count` points at equal arc length on an open polyline, with its ends kept exactly."""
-    scaled = piece / np.abs(piece).max()  # Lengths of huge coordinates must not overflow.
-    length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(scaled, axis=0).T))))
-    at = np.linspace(0.0, length[-1], count)
-    side = np.stack([np.interp(at, length, piece[:, axis]) for axis in (0, 1)], axis=-1)
-    side[0], side[-1] = piece[0], piece[-1]
-    return side
-
-
-def _crossing_text(points: FloatArray, crossing: tuple[int, int]) -> str:
-    """Say which two edges meet, and where."""
-    edges = [f"edge {k} from {points[k].tolist()} to {points[(k + 1) % len(points)].tolist()}" for k in crossing]
-    return f"{edges[0]} meets {edges[1]}"
+def _corner_angles(sides: list[FloatArray]) -> FloatArray:
+    """Return the inner angles in degrees between the nodes at the four corners of counter-clockwise sides."""
+    before = np.array([sides[k - 1][-2] for k in range(4)])
+    return inner_angles(before, np.array([side[0] for side in sides]), np.array([side[1] for side in sides]))

@@ -7,8 +7,8 @@ import os
 from gridgen_sym.errors import GridgenError
 
 
-def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[int], list[list[float]]]:
-    """Return name (perhaps empty), corners and points from the lines of an outline file at `path`.
+def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[int] | None, list[list[float]]]:
+    """Return name (perhaps empty), corners (perhaps None) and points from the lines of an outline file at `path`.
 
     Raises:
         GridgenError: for a missing or malformed header, or a line that is no point, with its number.
@@ -29,10 +29,6 @@ def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[in
             headed = True
         elif stripped:
             points.append(_parsed_point(stripped, where))
-    if corners is None:
-        raise GridgenError(
-            f"cannot read {path}: it has no corners; add a line like '# corners: 0 10 20 30' above 'x,y'"
-        )
     if not headed:
         raise GridgenError(f"cannot read {path}: it has no points; expected the header 'x,y' and a line for each")
     return name, corners, points

@@ -88,6 +88,14 @@ def turns(points: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
     return sign * np.arctan2(np.abs(cross), dot), back
 
 
+def inner_angles(before: FloatArray, at: FloatArray, after: FloatArray) -> FloatArray:
+    """Return the angles in degrees, in [0, 360), at points of a counter-clockwise polygon, shapes (n, 2) -> (n,)."""
+    scale = max(float(np.abs(array).max()) for array in (before, at, after)) or 1.0
+    to, back = after / scale - at / scale, before / scale - at / scale
+    cross = to[:, 0] * back[:, 1] - to[:, 1] * back[:, 0]
+    return np.asarray(np.degrees(np.arctan2(cross, (to * back).sum(axis=1))) % 360.0)
+
+
 def _close_pairs(points: FloatArray) -> Iterator[Pairs]:
     """Yield the pairs of edges a < b whose boxes have a point in common, in blocks: a sweep along x."""
     start = points

@@ -254,7 +254,7 @@ def test_the_examples_are_there():
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_can_be_gridded(path):
     outline = Outline.read(path)
-    report = quality(outline.grid(65, 65))
+    report = quality(outline.grid(65, 65, sampling="equal"))
     assert report.mean_jacobian > 0
     expected = {"france": 494, "nlf416_half_o": 0, "ohio": 213, "texas": 269}
     assert report.folded_cells == expected[outline.name]
