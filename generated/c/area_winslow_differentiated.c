@@ -726,40 +726,117 @@ EXPORT void area_winslow_differentiated_energy_gradient(const Block *block, cons
  * (i+1, j-1) (xx, xy, yx, yy each; the first letter belongs to node (i, j)).
  */
 
-/* Replace a symmetric 4x4 matrix by the nearest positive semidefinite one (cyclic Jacobi rotations). */
-static corner_semidefinite_values clamped(corner_semidefinite_values h) {
-  double a[4][4] = { {h.h00, h.h01, h.h02, h.h03}, {h.h01, h.h11, h.h12, h.h13},
-                     {h.h02, h.h12, h.h22, h.h23}, {h.h03, h.h13, h.h23, h.h33} };
-  double v[4][4] = { {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1} };
-  for (int turn = 0; turn < 12; ++turn) {
-    double off = 0.0, all = 0.0;
-    for (int p = 0; p < 4; ++p)
-      for (int q = 0; q < 4; ++q) all += a[p][q] * a[p][q], off += p == q ? 0.0 : a[p][q] * a[p][q];
-    if (!(off > DBL_EPSILON * DBL_EPSILON * all)) break;
-    for (int p = 0; p < 3; ++p)
-      for (int q = p + 1; q < 4; ++q) {
-        if (a[p][q] == 0.0) continue;
-        const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-        const double t = (theta < 0.0 ? -1.0 : 1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
-        const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
-        for (int k = 0; k < 4; ++k) {
-          const double kp = a[k][p], kq = a[k][q];
-          a[k][p] = c * kp - s * kq, a[k][q] = s * kp + c * kq;
-        }
-        for (int k = 0; k < 4; ++k) {
-          const double pk = a[p][k], qk = a[q][k], vp = v[k][p], vq = v[k][q];
-          a[p][k] = c * pk - s * qk, a[q][k] = s * pk + c * qk;
-          v[k][p] = c * vp - s * vq, v[k][q] = s * vp + c * vq;
-        }
-      }
+/* ---- the nearest positive semidefinite matrices of a group of symmetric 4x4 ones ----
+ *
+ * Symmetric 4x4 matrices are H = t 1 + sum of M[p][q] L[p] R[q] with a 3x3 matrix M, where L and R are the left and the
+ * right multiplications by the quaternion units: L = E x 1, X x E, Z x E; R = 1 x E, E x X, E x Z, with E = (0 1, -1 0),
+ * X = (0 1, 1 0), Z = (1 0, 0 -1). Singular vectors u, v and values s of M (right-handed, so that s[2] has a sign) make it
+ * t 1 + sum of s[k] L(u[k]) R(v[k]), whose terms commute: its eigenvalues are t + s0 + s1 + s2, t + s0 - s1 - s2 and so on,
+ * and a function of H has the same vectors. So three rotations (one-sided Jacobi) stand for the six of a 4x4 matrix.
+ */
+
+/* t and M from the entries h00, h01, h02, h03, h11, h12, h13, h22, h23, h33. */
+#define TRACE_AND_QUATERNION_PART                                                                                    \
+  const double t = 0.25 * (h[0][k] + h[4][k] + h[7][k] + h[9][k]);                                                    \
+  const double m00 = 0.5 * (h[3][k] - h[5][k]), m01 = -0.5 * (h[1][k] + h[8][k]);                                     \
+  const double m02 = -0.25 * (h[0][k] - h[4][k] + h[7][k] - h[9][k]), m10 = -0.5 * (h[2][k] + h[6][k]);               \
+  const double m11 = -0.25 * (h[0][k] - h[4][k] - h[7][k] + h[9][k]), m12 = 0.5 * (h[1][k] - h[8][k]);                \
+  const double m20 = -0.25 * (h[0][k] + h[4][k] - h[7][k] - h[9][k]), m21 = 0.5 * (h[2][k] - h[6][k]);                \
+  const double m22 = -0.5 * (h[3][k] + h[5][k]);                                                                      \
+  const double size = sqrt(m00 * m00 + m01 * m01 + m02 * m02 + m10 * m10 + m11 * m11 + m12 * m12 + m20 * m20          \
+                           + m21 * m21 + m22 * m22);                                                                  \
+  /* A zero matrix has any vectors; the constant is below every size whose square is a double. */                     \
+  const double scale = 1.0 / (size + 1e-150);
+
+/* Columns of M, of size 1. */
+APART void begin_rotations(int64_t count, double (*restrict h)[CHUNK], double (*restrict w)[CHUNK]) {
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    TRACE_AND_QUATERNION_PART
+    (void)t;
+    w[0][k] = scale * m00, w[1][k] = scale * m10, w[2][k] = scale * m20;
+    w[3][k] = scale * m01, w[4][k] = scale * m11, w[5][k] = scale * m21;
+    w[6][k] = scale * m02, w[7][k] = scale * m12, w[8][k] = scale * m22;
   }
-  double r[10] = {0.0};
-  for (int k = 0; k < 4; ++k) {
-    const double eigenvalue = a[k][k] > 0.0 ? a[k][k] : 0.0;
-    for (int p = 0, entry = 0; p < 4; ++p)
-      for (int q = p; q < 4; ++q) r[entry++] += eigenvalue * v[p][k] * v[q][k];
+}
+
+/* Rotate two columns so that they become orthogonal, the longer one first. */
+INLINE double rotate(double *restrict p0, double *restrict p1, double *restrict p2, double *restrict q0,
+                     double *restrict q1, double *restrict q2) {
+  const double pp = *p0 * *p0 + *p1 * *p1 + *p2 * *p2, qq = *q0 * *q0 + *q1 * *q1 + *q2 * *q2;
+  const double pq = *p0 * *q0 + *p1 * *q1 + *p2 * *q2, gap = pp - qq, twice = 2.0 * pq;
+  const double high = fabs(gap) + sqrt(gap * gap + twice * twice) + 1e-150;
+  const double scale = 1.0 / sqrt(high * high + twice * twice);
+  const double c = scale * (gap >= 0.0 ? high : fabs(twice));
+  const double s = scale * (gap >= 0.0 ? twice : (twice < 0.0 ? -high : high));
+  const double r0 = *p0, r1 = *p1, r2 = *p2;
+  *p0 = c * r0 + s * *q0, *p1 = c * r1 + s * *q1, *p2 = c * r2 + s * *q2;
+  *q0 = c * *q0 - s * r0, *q1 = c * *q1 - s * r1, *q2 = c * *q2 - s * r2;
+  return fabs(pq) - 1e-10 * (gap >= 0.0 ? pp : qq);
+}
+
+/* Rotate every pair of columns once; positive if a pair was not yet orthogonal before. Convergence is quadratic. */
+APART double rotate_columns(int64_t count, double (*restrict w)[CHUNK]) {
+  double left = -1.0;
+#pragma omp simd reduction(max : left)
+  for (int64_t k = 0; k < count; ++k) {
+    double a0 = w[0][k], a1 = w[1][k], a2 = w[2][k], b0 = w[3][k], b1 = w[4][k], b2 = w[5][k];
+    double c0 = w[6][k], c1 = w[7][k], c2 = w[8][k];
+    const double ab = rotate(&a0, &a1, &a2, &b0, &b1, &b2);
+    const double ac = rotate(&a0, &a1, &a2, &c0, &c1, &c2);
+    const double bc = rotate(&b0, &b1, &b2, &c0, &c1, &c2);
+    left = ab > left ? ab : left;
+    left = ac > left ? ac : left;
+    left = bc > left ? bc : left;
+    w[0][k] = a0, w[1][k] = a1, w[2][k] = a2, w[3][k] = b0, w[4][k] = b1, w[5][k] = b2;
+    w[6][k] = c0, w[7][k] = c1, w[8][k] = c2;
   }
-  return (corner_semidefinite_values){r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9]};
+  return left;
+}
+
+/* Put the matrices together again without their negative eigenvalues; a NaN stays one. */
+APART void end_rotations(int64_t count, double (*restrict h)[CHUNK], double (*restrict w)[CHUNK]) {
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    TRACE_AND_QUATERNION_PART
+    const double s0 = sqrt(w[0][k] * w[0][k] + w[1][k] * w[1][k] + w[2][k] * w[2][k]);
+    const double s1 = sqrt(w[3][k] * w[3][k] + w[4][k] * w[4][k] + w[5][k] * w[5][k]);
+    const double r0 = 1.0 / (s0 + 1e-150), r1 = 1.0 / (s1 + 1e-150);
+    const double u00 = r0 * w[0][k], u01 = r0 * w[1][k], u02 = r0 * w[2][k];
+    const double u10 = r1 * w[3][k], u11 = r1 * w[4][k], u12 = r1 * w[5][k];
+    const double u20 = u01 * u12 - u02 * u11, u21 = u02 * u10 - u00 * u12, u22 = u00 * u11 - u01 * u10;
+    const double s2 = u20 * w[6][k] + u21 * w[7][k] + u22 * w[8][k];
+    const double x0 = scale * r0, x1 = scale * r1;
+    const double v00 = x0 * (m00 * u00 + m10 * u01 + m20 * u02), v10 = x1 * (m00 * u10 + m10 * u11 + m20 * u12);
+    const double v01 = x0 * (m01 * u00 + m11 * u01 + m21 * u02), v11 = x1 * (m01 * u10 + m11 * u11 + m21 * u12);
+    const double v02 = x0 * (m02 * u00 + m12 * u01 + m22 * u02), v12 = x1 * (m02 * u10 + m12 * u11 + m22 * u12);
+    const double v20 = v01 * v12 - v02 * v11, v21 = v02 * v10 - v00 * v12, v22 = v00 * v11 - v01 * v10;
+    const double e0 = t + size * (s0 + s1 + s2), e1 = t + size * (s0 - s1 - s2);
+    const double e2 = t + size * (s1 - s0 - s2), e3 = t + size * (s2 - s0 - s1);
+    const double f0 = e0 < 0.0 ? 0.0 : e0, f1 = e1 < 0.0 ? 0.0 : e1, f2 = e2 < 0.0 ? 0.0 : e2, f3 = e3 < 0.0 ? 0.0 : e3;
+    const double mean = 0.25 * (f0 + f1 + f2 + f3), y0 = 0.25 * (f0 + f1 - f2 - f3);
+    const double y1 = 0.25 * (f0 - f1 + f2 - f3), y2 = 0.25 * (f0 - f1 - f2 + f3);
+    const double n00 = y0 * u00 * v00 + y1 * u10 * v10 + y2 * u20 * v20;
+    const double n01 = y0 * u00 * v01 + y1 * u10 * v11 + y2 * u20 * v21;
+    const double n02 = y0 * u00 * v02 + y1 * u10 * v12 + y2 * u20 * v22;
+    const double n10 = y0 * u01 * v00 + y1 * u11 * v10 + y2 * u21 * v20;
+    const double n11 = y0 * u01 * v01 + y1 * u11 * v11 + y2 * u21 * v21;
+    const double n12 = y0 * u01 * v02 + y1 * u11 * v12 + y2 * u21 * v22;
+    const double n20 = y0 * u02 * v00 + y1 * u12 * v10 + y2 * u22 * v20;
+    const double n21 = y0 * u02 * v01 + y1 * u12 * v11 + y2 * u22 * v21;
+    const double n22 = y0 * u02 * v02 + y1 * u12 * v12 + y2 * u22 * v22;
+    h[0][k] = mean - n02 - n11 - n20, h[1][k] = n12 - n01, h[2][k] = n21 - n10, h[3][k] = n00 - n22;
+    h[4][k] = mean + n02 + n11 - n20, h[5][k] = -n00 - n22, h[6][k] = -n21 - n10;
+    h[7][k] = mean - n02 + n11 + n20, h[8][k] = -n12 - n01, h[9][k] = mean + n02 - n11 + n20;
+  }
+}
+
+static void clamp(int64_t count, double (*h)[CHUNK]) {
+  double w[9][CHUNK];
+  begin_rotations(count, h, w);
+  /* Five rounds are usual; a group that holds a NaN ends like the others. */
+  for (int round = 0; round < 20 && rotate_columns(count, w) > 0.0; ++round) continue;
+  end_rotations(count, h, w);
 }
 
 /* Blocks of a group of cells: of nodes 00, 11, 22, 33 (3 entries each), 01, 23, 02, 13, 03, 21 (4 each). */
@@ -1054,238 +1131,152 @@ APART void cell_semidefinite_hessians(const Block *block, int64_t i, int64_t beg
                                  double (*restrict m)[CHUNK + 1]) {
   const int64_t stride = block->stride, plane = block->plane;
   (void)w, (void)plane;
-  if (block->interior_only) {
-    for (int64_t k = 0; k < count; ++k) {
-      const int64_t n = i * stride + begin + k;
-      const double a0x = x[n + stride] - x[n], a0y = y[n + stride] - y[n];
-      const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
-      const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
-      const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-      double m00xx = 0.0, m00xy = 0.0, m00yy = 0.0, m11xx = 0.0, m11xy = 0.0, m11yy = 0.0, m22xx = 0.0, m22xy = 0.0, m22yy = 0.0, m33xx = 0.0, m33xy = 0.0, m33yy = 0.0, m01xx = 0.0, m01xy = 0.0, m01yx = 0.0, m01yy = 0.0, m23xx = 0.0, m23xy = 0.0, m23yx = 0.0, m23yy = 0.0, m02xx = 0.0, m02xy = 0.0, m02yx = 0.0, m02yy = 0.0, m13xx = 0.0, m13xy = 0.0, m13yx = 0.0, m13yy = 0.0, m03xx = 0.0, m03xy = 0.0, m03yx = 0.0, m03yy = 0.0, m21xx = 0.0, m21xy = 0.0, m21yx = 0.0, m21yy = 0.0;
-      if (corners_of_cell(block, i, begin + k) & 1u) {
-        const corner_semidefinite_values corner = clamped(corner_semidefinite(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters));
-        m00xx += corner.h00 + corner.h02 + corner.h02 + corner.h22;
-        m00xy += corner.h01 + corner.h03 + corner.h12 + corner.h23;
-        m00yy += corner.h11 + corner.h13 + corner.h13 + corner.h33;
-        m11xx += corner.h00;
-        m11xy += corner.h01;
-        m11yy += corner.h11;
-        m22xx += corner.h22;
-        m22xy += corner.h23;
-        m22yy += corner.h33;
-        m01xx += - corner.h00 - corner.h02;
-        m01xy += - corner.h01 - corner.h12;
-        m01yx += - corner.h01 - corner.h03;
-        m01yy += - corner.h11 - corner.h13;
-        m02xx += - corner.h02 - corner.h22;
-        m02xy += - corner.h03 - corner.h23;
-        m02yx += - corner.h12 - corner.h23;
-        m02yy += - corner.h13 - corner.h33;
-        m21xx += corner.h02;
-        m21xy += corner.h12;
-        m21yx += corner.h03;
-        m21yy += corner.h13;
-      }
-      if (corners_of_cell(block, i, begin + k) & 2u) {
-        const corner_semidefinite_values corner = clamped(corner_semidefinite(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters));
-        m00xx += corner.h00;
-        m00xy += corner.h01;
-        m00yy += corner.h11;
-        m11xx += corner.h00 - corner.h02 - corner.h02 + corner.h22;
-        m11xy += corner.h01 - corner.h03 - corner.h12 + corner.h23;
-        m11yy += corner.h11 - corner.h13 - corner.h13 + corner.h33;
-        m33xx += corner.h22;
-        m33xy += corner.h23;
-        m33yy += corner.h33;
-        m01xx += - corner.h00 + corner.h02;
-        m01xy += - corner.h01 + corner.h03;
-        m01yx += - corner.h01 + corner.h12;
-        m01yy += - corner.h11 + corner.h13;
-        m13xx += corner.h02 - corner.h22;
-        m13xy += corner.h03 - corner.h23;
-        m13yx += corner.h12 - corner.h23;
-        m13yy += corner.h13 - corner.h33;
-        m03xx += - corner.h02;
-        m03xy += - corner.h03;
-        m03yx += - corner.h12;
-        m03yy += - corner.h13;
-      }
-      if (corners_of_cell(block, i, begin + k) & 4u) {
-        const corner_semidefinite_values corner = clamped(corner_semidefinite(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters));
-        m00xx += corner.h22;
-        m00xy += corner.h23;
-        m00yy += corner.h33;
-        m22xx += corner.h00 - corner.h02 - corner.h02 + corner.h22;
-        m22xy += corner.h01 - corner.h03 - corner.h12 + corner.h23;
-        m22yy += corner.h11 - corner.h13 - corner.h13 + corner.h33;
-        m33xx += corner.h00;
-        m33xy += corner.h01;
-        m33yy += corner.h11;
-        m23xx += - corner.h00 + corner.h02;
-        m23xy += - corner.h01 + corner.h12;
-        m23yx += - corner.h01 + corner.h03;
-        m23yy += - corner.h11 + corner.h13;
-        m02xx += corner.h02 - corner.h22;
-        m02xy += corner.h12 - corner.h23;
-        m02yx += corner.h03 - corner.h23;
-        m02yy += corner.h13 - corner.h33;
-        m03xx += - corner.h02;
-        m03xy += - corner.h12;
-        m03yx += - corner.h03;
-        m03yy += - corner.h13;
-      }
-      if (corners_of_cell(block, i, begin + k) & 8u) {
-        const corner_semidefinite_values corner = clamped(corner_semidefinite(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters));
-        m11xx += corner.h22;
-        m11xy += corner.h23;
-        m11yy += corner.h33;
-        m22xx += corner.h00;
-        m22xy += corner.h01;
-        m22yy += corner.h11;
-        m33xx += corner.h00 + corner.h02 + corner.h02 + corner.h22;
-        m33xy += corner.h01 + corner.h03 + corner.h12 + corner.h23;
-        m33yy += corner.h11 + corner.h13 + corner.h13 + corner.h33;
-        m23xx += - corner.h00 - corner.h02;
-        m23xy += - corner.h01 - corner.h03;
-        m23yx += - corner.h01 - corner.h12;
-        m23yy += - corner.h11 - corner.h13;
-        m13xx += - corner.h02 - corner.h22;
-        m13xy += - corner.h12 - corner.h23;
-        m13yx += - corner.h03 - corner.h23;
-        m13yy += - corner.h13 - corner.h33;
-        m21xx += corner.h02;
-        m21xy += corner.h03;
-        m21yx += corner.h12;
-        m21yy += corner.h13;
-      }
-          m[0][k + 1] = m00xx, m[1][k + 1] = m00xy, m[2][k + 1] = m00yy;
-          m[3][k + 1] = m11xx, m[4][k + 1] = m11xy, m[5][k + 1] = m11yy;
-          m[6][k + 1] = m22xx, m[7][k + 1] = m22xy, m[8][k + 1] = m22yy;
-          m[9][k + 1] = m33xx, m[10][k + 1] = m33xy, m[11][k + 1] = m33yy;
-          m[12][k + 1] = m01xx, m[13][k + 1] = m01xy, m[14][k + 1] = m01yx, m[15][k + 1] = m01yy;
-          m[16][k + 1] = m23xx, m[17][k + 1] = m23xy, m[18][k + 1] = m23yx, m[19][k + 1] = m23yy;
-          m[20][k + 1] = m02xx, m[21][k + 1] = m02xy, m[22][k + 1] = m02yx, m[23][k + 1] = m02yy;
-          m[24][k + 1] = m13xx, m[25][k + 1] = m13xy, m[26][k + 1] = m13yx, m[27][k + 1] = m13yy;
-          m[28][k + 1] = m03xx, m[29][k + 1] = m03xy, m[30][k + 1] = m03yx, m[31][k + 1] = m03yy;
-          m[32][k + 1] = m21xx, m[33][k + 1] = m21xy, m[34][k + 1] = m21yx, m[35][k + 1] = m21yy;
-    }
-
-  } else {
+  double h[10][CHUNK];
+  for (int part = 0; part < 36; ++part)
+    for (int64_t k = 0; k < count; ++k) m[part][k + 1] = 0.0;
+#pragma omp simd
   for (int64_t k = 0; k < count; ++k) {
     const int64_t n = i * stride + begin + k;
     const double a0x = x[n + stride] - x[n], a0y = y[n + stride] - y[n];
+    const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
+    const corner_semidefinite_values corner = corner_semidefinite(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
+h[0][k] = corner.h00, h[1][k] = corner.h01, h[2][k] = corner.h02, h[3][k] = corner.h03, h[4][k] = corner.h11, h[5][k] = corner.h12, h[6][k] = corner.h13, h[7][k] = corner.h22, h[8][k] = corner.h23, h[9][k] = corner.h33;
+  }
+  clamp(count, h);
+  for (int64_t k = 0; k < count && block->interior_only; ++k)
+    for (int e = 0; e < 10 && !(corners_of_cell(block, i, begin + k) & 1u); ++e) h[e][k] = 0.0;
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    const corner_semidefinite_values corner = {h[0][k], h[1][k], h[2][k], h[3][k], h[4][k], h[5][k], h[6][k], h[7][k], h[8][k], h[9][k]};
+    m[0][k + 1] += corner.h00 + corner.h02 + corner.h02 + corner.h22;
+    m[1][k + 1] += corner.h01 + corner.h03 + corner.h12 + corner.h23;
+    m[2][k + 1] += corner.h11 + corner.h13 + corner.h13 + corner.h33;
+    m[3][k + 1] += corner.h00;
+    m[4][k + 1] += corner.h01;
+    m[5][k + 1] += corner.h11;
+    m[6][k + 1] += corner.h22;
+    m[7][k + 1] += corner.h23;
+    m[8][k + 1] += corner.h33;
+    m[12][k + 1] += - corner.h00 - corner.h02;
+    m[13][k + 1] += - corner.h01 - corner.h12;
+    m[14][k + 1] += - corner.h01 - corner.h03;
+    m[15][k + 1] += - corner.h11 - corner.h13;
+    m[20][k + 1] += - corner.h02 - corner.h22;
+    m[21][k + 1] += - corner.h03 - corner.h23;
+    m[22][k + 1] += - corner.h12 - corner.h23;
+    m[23][k + 1] += - corner.h13 - corner.h33;
+    m[32][k + 1] += corner.h02;
+    m[33][k + 1] += corner.h12;
+    m[34][k + 1] += corner.h03;
+    m[35][k + 1] += corner.h13;
+  }
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    const int64_t n = i * stride + begin + k;
+    const double a0x = x[n + stride] - x[n], a0y = y[n + stride] - y[n];
+    const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
+    const corner_semidefinite_values corner = corner_semidefinite(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
+h[0][k] = corner.h00, h[1][k] = corner.h01, h[2][k] = corner.h02, h[3][k] = corner.h03, h[4][k] = corner.h11, h[5][k] = corner.h12, h[6][k] = corner.h13, h[7][k] = corner.h22, h[8][k] = corner.h23, h[9][k] = corner.h33;
+  }
+  clamp(count, h);
+  for (int64_t k = 0; k < count && block->interior_only; ++k)
+    for (int e = 0; e < 10 && !(corners_of_cell(block, i, begin + k) & 2u); ++e) h[e][k] = 0.0;
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    const corner_semidefinite_values corner = {h[0][k], h[1][k], h[2][k], h[3][k], h[4][k], h[5][k], h[6][k], h[7][k], h[8][k], h[9][k]};
+    m[0][k + 1] += corner.h00;
+    m[1][k + 1] += corner.h01;
+    m[2][k + 1] += corner.h11;
+    m[3][k + 1] += corner.h00 - corner.h02 - corner.h02 + corner.h22;
+    m[4][k + 1] += corner.h01 - corner.h03 - corner.h12 + corner.h23;
+    m[5][k + 1] += corner.h11 - corner.h13 - corner.h13 + corner.h33;
+    m[9][k + 1] += corner.h22;
+    m[10][k + 1] += corner.h23;
+    m[11][k + 1] += corner.h33;
+    m[12][k + 1] += - corner.h00 + corner.h02;
+    m[13][k + 1] += - corner.h01 + corner.h03;
+    m[14][k + 1] += - corner.h01 + corner.h12;
+    m[15][k + 1] += - corner.h11 + corner.h13;
+    m[24][k + 1] += corner.h02 - corner.h22;
+    m[25][k + 1] += corner.h03 - corner.h23;
+    m[26][k + 1] += corner.h12 - corner.h23;
+    m[27][k + 1] += corner.h13 - corner.h33;
+    m[28][k + 1] += - corner.h02;
+    m[29][k + 1] += - corner.h03;
+    m[30][k + 1] += - corner.h12;
+    m[31][k + 1] += - corner.h13;
+  }
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    const int64_t n = i * stride + begin + k;
     const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
     const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
-    const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-    double m00xx = 0.0, m00xy = 0.0, m00yy = 0.0, m11xx = 0.0, m11xy = 0.0, m11yy = 0.0, m22xx = 0.0, m22xy = 0.0, m22yy = 0.0, m33xx = 0.0, m33xy = 0.0, m33yy = 0.0, m01xx = 0.0, m01xy = 0.0, m01yx = 0.0, m01yy = 0.0, m23xx = 0.0, m23xy = 0.0, m23yx = 0.0, m23yy = 0.0, m02xx = 0.0, m02xy = 0.0, m02yx = 0.0, m02yy = 0.0, m13xx = 0.0, m13xy = 0.0, m13yx = 0.0, m13yy = 0.0, m03xx = 0.0, m03xy = 0.0, m03yx = 0.0, m03yy = 0.0, m21xx = 0.0, m21xy = 0.0, m21yx = 0.0, m21yy = 0.0;
-    {
-      const corner_semidefinite_values corner = clamped(corner_semidefinite(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters));
-      m00xx += corner.h00 + corner.h02 + corner.h02 + corner.h22;
-      m00xy += corner.h01 + corner.h03 + corner.h12 + corner.h23;
-      m00yy += corner.h11 + corner.h13 + corner.h13 + corner.h33;
-      m11xx += corner.h00;
-      m11xy += corner.h01;
-      m11yy += corner.h11;
-      m22xx += corner.h22;
-      m22xy += corner.h23;
-      m22yy += corner.h33;
-      m01xx += - corner.h00 - corner.h02;
-      m01xy += - corner.h01 - corner.h12;
-      m01yx += - corner.h01 - corner.h03;
-      m01yy += - corner.h11 - corner.h13;
-      m02xx += - corner.h02 - corner.h22;
-      m02xy += - corner.h03 - corner.h23;
-      m02yx += - corner.h12 - corner.h23;
-      m02yy += - corner.h13 - corner.h33;
-      m21xx += corner.h02;
-      m21xy += corner.h12;
-      m21yx += corner.h03;
-      m21yy += corner.h13;
-    }
-    {
-      const corner_semidefinite_values corner = clamped(corner_semidefinite(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters));
-      m00xx += corner.h00;
-      m00xy += corner.h01;
-      m00yy += corner.h11;
-      m11xx += corner.h00 - corner.h02 - corner.h02 + corner.h22;
-      m11xy += corner.h01 - corner.h03 - corner.h12 + corner.h23;
-      m11yy += corner.h11 - corner.h13 - corner.h13 + corner.h33;
-      m33xx += corner.h22;
-      m33xy += corner.h23;
-      m33yy += corner.h33;
-      m01xx += - corner.h00 + corner.h02;
-      m01xy += - corner.h01 + corner.h03;
-      m01yx += - corner.h01 + corner.h12;
-      m01yy += - corner.h11 + corner.h13;
-      m13xx += corner.h02 - corner.h22;
-      m13xy += corner.h03 - corner.h23;
-      m13yx += corner.h12 - corner.h23;
-      m13yy += corner.h13 - corner.h33;
-      m03xx += - corner.h02;
-      m03xy += - corner.h03;
-      m03yx += - corner.h12;
-      m03yy += - corner.h13;
-    }
-    {
-      const corner_semidefinite_values corner = clamped(corner_semidefinite(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters));
-      m00xx += corner.h22;
-      m00xy += corner.h23;
-      m00yy += corner.h33;
-      m22xx += corner.h00 - corner.h02 - corner.h02 + corner.h22;
-      m22xy += corner.h01 - corner.h03 - corner.h12 + corner.h23;
-      m22yy += corner.h11 - corner.h13 - corner.h13 + corner.h33;
-      m33xx += corner.h00;
-      m33xy += corner.h01;
-      m33yy += corner.h11;
-      m23xx += - corner.h00 + corner.h02;
-      m23xy += - corner.h01 + corner.h12;
-      m23yx += - corner.h01 + corner.h03;
-      m23yy += - corner.h11 + corner.h13;
-      m02xx += corner.h02 - corner.h22;
-      m02xy += corner.h12 - corner.h23;
-      m02yx += corner.h03 - corner.h23;
-      m02yy += corner.h13 - corner.h33;
-      m03xx += - corner.h02;
-      m03xy += - corner.h12;
-      m03yx += - corner.h03;
-      m03yy += - corner.h13;
-    }
-    {
-      const corner_semidefinite_values corner = clamped(corner_semidefinite(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters));
-      m11xx += corner.h22;
-      m11xy += corner.h23;
-      m11yy += corner.h33;
-      m22xx += corner.h00;
-      m22xy += corner.h01;
-      m22yy += corner.h11;
-      m33xx += corner.h00 + corner.h02 + corner.h02 + corner.h22;
-      m33xy += corner.h01 + corner.h03 + corner.h12 + corner.h23;
-      m33yy += corner.h11 + corner.h13 + corner.h13 + corner.h33;
-      m23xx += - corner.h00 - corner.h02;
-      m23xy += - corner.h01 - corner.h03;
-      m23yx += - corner.h01 - corner.h12;
-      m23yy += - corner.h11 - corner.h13;
-      m13xx += - corner.h02 - corner.h22;
-      m13xy += - corner.h12 - corner.h23;
-      m13yx += - corner.h03 - corner.h23;
-      m13yy += - corner.h13 - corner.h33;
-      m21xx += corner.h02;
-      m21xy += corner.h03;
-      m21yx += corner.h12;
-      m21yy += corner.h13;
-    }
-        m[0][k + 1] = m00xx, m[1][k + 1] = m00xy, m[2][k + 1] = m00yy;
-        m[3][k + 1] = m11xx, m[4][k + 1] = m11xy, m[5][k + 1] = m11yy;
-        m[6][k + 1] = m22xx, m[7][k + 1] = m22xy, m[8][k + 1] = m22yy;
-        m[9][k + 1] = m33xx, m[10][k + 1] = m33xy, m[11][k + 1] = m33yy;
-        m[12][k + 1] = m01xx, m[13][k + 1] = m01xy, m[14][k + 1] = m01yx, m[15][k + 1] = m01yy;
-        m[16][k + 1] = m23xx, m[17][k + 1] = m23xy, m[18][k + 1] = m23yx, m[19][k + 1] = m23yy;
-        m[20][k + 1] = m02xx, m[21][k + 1] = m02xy, m[22][k + 1] = m02yx, m[23][k + 1] = m02yy;
-        m[24][k + 1] = m13xx, m[25][k + 1] = m13xy, m[26][k + 1] = m13yx, m[27][k + 1] = m13yy;
-        m[28][k + 1] = m03xx, m[29][k + 1] = m03xy, m[30][k + 1] = m03yx, m[31][k + 1] = m03yy;
-        m[32][k + 1] = m21xx, m[33][k + 1] = m21xy, m[34][k + 1] = m21yx, m[35][k + 1] = m21yy;
+    const corner_semidefinite_values corner = corner_semidefinite(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
+h[0][k] = corner.h00, h[1][k] = corner.h01, h[2][k] = corner.h02, h[3][k] = corner.h03, h[4][k] = corner.h11, h[5][k] = corner.h12, h[6][k] = corner.h13, h[7][k] = corner.h22, h[8][k] = corner.h23, h[9][k] = corner.h33;
   }
-
+  clamp(count, h);
+  for (int64_t k = 0; k < count && block->interior_only; ++k)
+    for (int e = 0; e < 10 && !(corners_of_cell(block, i, begin + k) & 4u); ++e) h[e][k] = 0.0;
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    const corner_semidefinite_values corner = {h[0][k], h[1][k], h[2][k], h[3][k], h[4][k], h[5][k], h[6][k], h[7][k], h[8][k], h[9][k]};
+    m[0][k + 1] += corner.h22;
+    m[1][k + 1] += corner.h23;
+    m[2][k + 1] += corner.h33;
+    m[6][k + 1] += corner.h00 - corner.h02 - corner.h02 + corner.h22;
+    m[7][k + 1] += corner.h01 - corner.h03 - corner.h12 + corner.h23;
+    m[8][k + 1] += corner.h11 - corner.h13 - corner.h13 + corner.h33;
+    m[9][k + 1] += corner.h00;
+    m[10][k + 1] += corner.h01;
+    m[11][k + 1] += corner.h11;
+    m[16][k + 1] += - corner.h00 + corner.h02;
+    m[17][k + 1] += - corner.h01 + corner.h12;
+    m[18][k + 1] += - corner.h01 + corner.h03;
+    m[19][k + 1] += - corner.h11 + corner.h13;
+    m[20][k + 1] += corner.h02 - corner.h22;
+    m[21][k + 1] += corner.h12 - corner.h23;
+    m[22][k + 1] += corner.h03 - corner.h23;
+    m[23][k + 1] += corner.h13 - corner.h33;
+    m[28][k + 1] += - corner.h02;
+    m[29][k + 1] += - corner.h12;
+    m[30][k + 1] += - corner.h03;
+    m[31][k + 1] += - corner.h13;
+  }
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    const int64_t n = i * stride + begin + k;
+    const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
+    const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
+    const corner_semidefinite_values corner = corner_semidefinite(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
+h[0][k] = corner.h00, h[1][k] = corner.h01, h[2][k] = corner.h02, h[3][k] = corner.h03, h[4][k] = corner.h11, h[5][k] = corner.h12, h[6][k] = corner.h13, h[7][k] = corner.h22, h[8][k] = corner.h23, h[9][k] = corner.h33;
+  }
+  clamp(count, h);
+  for (int64_t k = 0; k < count && block->interior_only; ++k)
+    for (int e = 0; e < 10 && !(corners_of_cell(block, i, begin + k) & 8u); ++e) h[e][k] = 0.0;
+#pragma omp simd
+  for (int64_t k = 0; k < count; ++k) {
+    const corner_semidefinite_values corner = {h[0][k], h[1][k], h[2][k], h[3][k], h[4][k], h[5][k], h[6][k], h[7][k], h[8][k], h[9][k]};
+    m[3][k + 1] += corner.h22;
+    m[4][k + 1] += corner.h23;
+    m[5][k + 1] += corner.h33;
+    m[6][k + 1] += corner.h00;
+    m[7][k + 1] += corner.h01;
+    m[8][k + 1] += corner.h11;
+    m[9][k + 1] += corner.h00 + corner.h02 + corner.h02 + corner.h22;
+    m[10][k + 1] += corner.h01 + corner.h03 + corner.h12 + corner.h23;
+    m[11][k + 1] += corner.h11 + corner.h13 + corner.h13 + corner.h33;
+    m[16][k + 1] += - corner.h00 - corner.h02;
+    m[17][k + 1] += - corner.h01 - corner.h03;
+    m[18][k + 1] += - corner.h01 - corner.h12;
+    m[19][k + 1] += - corner.h11 - corner.h13;
+    m[24][k + 1] += - corner.h02 - corner.h22;
+    m[25][k + 1] += - corner.h12 - corner.h23;
+    m[26][k + 1] += - corner.h03 - corner.h23;
+    m[27][k + 1] += - corner.h13 - corner.h33;
+    m[32][k + 1] += corner.h02;
+    m[33][k + 1] += corner.h03;
+    m[34][k + 1] += corner.h12;
+    m[35][k + 1] += corner.h13;
   }
 }
 
