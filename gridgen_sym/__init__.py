@@ -16,6 +16,18 @@ Example:
 
 __version__ = "0.1.0"
 
+from .adaptation import AdaptResult as AdaptResult
+from .adaptation import AdaptStep as AdaptStep
+from .adaptation import Equidistribution as Equidistribution
+from .adaptation import Monitor as Monitor
+from .adaptation import adapt as adapt
+from .adaptation import equidistribution as equidistribution
+from .adaptation import hierarchical_error as hierarchical_error
+from .adaptation import recover_gradient as recover_gradient
+from .adaptation import recover_hessian as recover_hessian
+from .adaptation import recovery_error as recovery_error
+from .adaptation import richardson_error as richardson_error
+from .adaptation import transfer as transfer
 from .errors import GridgenError as GridgenError
 from .functionals import Functional as Functional
 from .functionals import define as define

@@ -15,7 +15,7 @@ settings.register_profile("steady", deadline=None, derandomize=True, suppress_he
 settings.load_profile("steady")
 
 METHODS = ("newton", "local")
-BARRIER = ("winslow", "modified_liao")
+BARRIER = ("winslow", "modified_liao", "area_winslow")
 BACKENDS = ("c", "numpy")
 
 #: The paper's corner energies from the two edge vectors' metric, by hand: nothing here comes from the package.
@@ -28,6 +28,7 @@ CORNER_ENERGIES = {
     "winslow": lambda g11, g22, g12, J: (g11 + g22) / J,
     "liao": lambda g11, g22, g12, J: g11**2 + g22**2 + 2 * g12**2,
     "modified_liao": lambda g11, g22, g12, J: ((g11 + g22) / J) ** 2,
+    "area_winslow": lambda g11, g22, g12, J: J**2 / 2 + 0.02 * (g11 + g22) / J,
 }
 
 

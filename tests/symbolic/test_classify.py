@@ -23,6 +23,7 @@ KNOWN = {
     "winslow": (False, True, "elliptic", "proved", 0, 2, True),
     "liao": (False, True, "elliptic", "proved", 4, 0, False),
     "modified_liao": (False, True, "elliptic", "proved", 0, 4, True),
+    "area_winslow": (False, True, "elliptic", "proved", None, 0, True),
 }
 
 

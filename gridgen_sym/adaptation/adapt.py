@@ -1,0 +1,197 @@
+"""Adapt a grid to a solution: solve, measure, move, and again, until the grid settles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import GridgenError
+from ..functionals.definition import Functional
+from ..functionals.definition import functional as find_functional
+from ..grids import Grid, quality
+from ..runtime import Array
+from ..solvers import untangle
+from ..solvers.problem import INTERRUPTED, fixed_mask
+from ..solvers.sampled import SampledField, grid_field
+from .equidistribution import cell_areas, cell_means, equidistribution, variation
+from .error_estimate import hierarchical_error
+from .law import law_of
+from .monitor import Measure, Monitor, as_monitor
+from .mover import Mover, movement
+from .progress import Callback, Live
+from .result import AdaptResult, AdaptStep
+from .sides import Boundary, sliding_sides
+from .source import Solution, Source, source_of
+
+
+def adapt(
+    grid: Grid,
+    solution: Solution,
+    *,
+    functional: str | Functional = "area_winslow",
+    monitor: Monitor | str | Measure = "curvature",
+    power: float | None = None,
+    parameters: Mapping[str, float] | None = None,
+    steps: int = 30,
+    moves: int | None = None,
+    damping: float = 0.5,
+    tolerance: float = 1e-3,
+    boundary: Boundary = "straight",
+    fixed: npt.ArrayLike | None = None,
+    callback: Callback | None = None,
+    progress: bool | None = None,
+    backend: str | None = None,
+) -> AdaptResult:
+    """Move the nodes of a grid to where a solution needs them; no cell ever folds.
+
+    Each step solves on the present grid, lets the monitor make a density of nodes of the solution, and moves towards
+    the grid that minimises the functional with the weight of that density. The moves are damped, because a frozen
+    weight is known at nodes and moves with them: this is a fixed point, and not one minimisation.
+
+    Args:
+        grid: the start. A folded one is untangled first.
+        solution: what to adapt to: a function of one argument, your solver, that takes a `Grid` and returns nodal
+            values (ni, nj); a function of two arrays (x, y); a formula in x and y, as text or as a SymPy expression; or
+            nodal values on `grid`, which are interpolated.
+        functional: what is minimised. The default has a barrier; one without a barrier is kept from folding by the
+            lengths of its steps alone.
+        monitor: what the density of nodes is made of; a `Monitor`, its name, or your own function of the grid and the
+            values.
+        power: of the density that the weight must be, for functionals of your own (see the module `law`).
+        parameters: of the functional.
+        steps: at most so many steps.
+        moves: of the nodes in each step, with the density interpolated between. By default 3 for a solver, 1 else.
+        damping: the share of each move that is taken, above 0 and at most 1; lowered when the grid does not settle.
+        tolerance: the grid has settled when no node moves farther in a step, over the size of the domain.
+        boundary: `straight`: nodes slide along straight sides, where that changes no shape; `all`: along the polygon
+            of every side, which cuts off what little lies between two nodes; `fixed`: they stay. Corners always stay.
+        fixed: (ni, nj) mask of inner nodes that do not move; a side with such nodes does not slide.
+        callback: called with every `AdaptStep`.
+        progress: show progress on standard error; by default where that is a terminal.
+        backend: `c` or `numpy`.
+
+    Returns:
+        The result; see its `converged` and `message`. Ctrl-C gives the last grid whose solution is known.
+
+    Raises:
+        GridgenError: for input that cannot be used, for a folded start that cannot be untangled, and for a solution
+            that is not finite or of another shape.
+    """
+    _check(grid, steps, moves, damping, tolerance, boundary)
+    definition = find_functional(functional)
+    law = law_of(definition.name, power)
+    source = source_of(solution, grid)
+    start, said = _valid_start(grid, fixed, backend)
+    sides = sliding_sides(start, boundary, fixed)
+    mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides)
+    run = _Run(source, as_monitor(monitor), mover, start)
+    with Live(f"adapt, {definition.name}", callback, progress) as live:
+        converged, interrupted, message = run.until_settled(steps, moves or source.moves, tolerance, live)
+    return run.result(converged, said + message, interrupted)
+
+
+@dataclass(slots=True)
+class _Run:
+    """The state of one adaptation: the last grid whose solution is known, that solution and its density."""
+
+    source: Source
+    monitor: Monitor
+    mover: Mover
+    start: Grid
+    grid: Grid = field(init=False)
+    values: Array = field(init=False)
+    density: Array = field(init=False)
+    history: list[AdaptStep] = field(default_factory=list)
+    carried: SampledField | None = None
+
+    def until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, bool, str]:
+        """Adapt; return whether the grid has settled, whether Ctrl-C came, and why it stopped."""
+        live.tell(self._take(self.start, 0.0))
+        try:
+            for _ in range(steps):
+                before = self.history[-1].movement
+                moved = self.mover.towards(self.grid, self.density, moves)
+                way = movement(self.grid, moved)
+                live.tell(self._take(moved, way))
+                if way <= tolerance:
+                    return True, False, f"the grid has settled: its last step moved no node by more than {way:.1e}."
+                if 0 < before < way:
+                    self.mover.calm()
+        except KeyboardInterrupt:
+            if not self.history:
+                raise
+            return False, True, INTERRUPTED
+        way = self.history[-1].movement
+        return (
+            False,
+            False,
+            (
+                f"the grid has not settled in {steps} steps: the last one moved a node by {way:.1e}, more than "
+                f"{tolerance:.1e} of the domain's size. Allow more steps, a smaller share or more smoothing."
+            ),
+        )
+
+    def _take(self, grid: Grid, way: float) -> AdaptStep:
+        """Solve on a grid and make it the present one."""
+        values = self.source.on(grid, len(self.history))
+        if self.carried is not None:
+            density = self.carried(grid.x, grid.y)
+        else:
+            density = self.monitor.density(grid, values)
+            if self.source.sampled:
+                # Derivatives of interpolated values would show the interpolation: this density is carried along.
+                self.carried = grid_field(grid, density)
+        self.grid, self.values, self.density = grid, values, density
+        step = AdaptStep(
+            step=len(self.history),
+            movement=way,
+            error=float(np.linalg.norm(hierarchical_error(grid, values))),
+            spread=variation(cell_means(density) * cell_areas(grid)),
+            min_jacobian=quality(grid).min_jacobian,
+            damping=self.mover.damping,
+        )
+        self.history.append(step)
+        return step
+
+    def result(self, converged: bool, message: str, interrupted: bool) -> AdaptResult:
+        """Return what was found."""
+        first, last = self.history[0].error, self.history[-1].error
+        return AdaptResult(
+            grid=self.grid,
+            values=self.values,
+            density=self.density,
+            converged=converged,
+            message=f"{message} The estimated error of interpolation was {first:.2e}, now it is {last:.2e}.",
+            history=tuple(self.history),
+            before=equidistribution(self.start, grid_field(self.grid, self.density)(self.start.x, self.start.y)),
+            after=equidistribution(self.grid, self.density),
+            interrupted=interrupted,
+        )
+
+
+def _valid_start(grid: Grid, fixed: npt.ArrayLike | None, backend: str | None) -> tuple[Grid, str]:
+    """Return the start, untangled if it was folded, and what must be said of that."""
+    if quality(grid).valid:
+        return grid, ""
+    mended = untangle(grid, fixed=fixed, backend=backend)
+    if not mended.converged:
+        raise GridgenError(f"adaptation needs a valid start, and this one is folded: {mended.message}")
+    return mended.grid, "The start was folded and was untangled first: "
+
+
+def _check(grid: Grid, steps: int, moves: int | None, damping: float, tolerance: float, boundary: str) -> None:
+    """Refuse arguments that mean nothing."""
+    if not isinstance(grid, Grid):
+        raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
+    for name, count, least in (("steps", steps, 0), ("moves", moves, 1)):
+        if count is not None and (not isinstance(count, (int, np.integer)) or count < least):
+            raise GridgenError(f"{name} must be a whole number, at least {least}; came {count!r}")
+    for name, number in (("damping", damping), ("tolerance", tolerance)):
+        if not isinstance(number, (int, float, np.number)) or not 0 < number <= 1:
+            raise GridgenError(f"{name} must be a number above 0 and at most 1; came {number!r}")
+    if boundary not in get_args(Boundary):
+        raise GridgenError(f"unknown boundary {boundary!r}: it is one of {', '.join(get_args(Boundary))}")

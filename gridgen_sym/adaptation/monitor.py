@@ -1,0 +1,164 @@
+"""Monitor functions: from a solution on a grid to the density of nodes that it deserves.
+
+A monitor first measures the features of the solution at every node, m >= 0, and then makes a density of it, which is 1
+where there are none. The intensity alpha follows from the share of the nodes that features are to have, the one knob
+(W. Huang and R. D. Russell, *Adaptive Moving Mesh Methods*, Springer 2011, choose it so that about half of the nodes go
+there): (the integral of density - 1)/(the integral of density) = share. So it needs no unit, and no tuning when the
+solution is scaled.
+
+| name | m | density | source |
+| --- | --- | --- | --- |
+| `gradient` | |grad u| | 1 + alpha m | A. M. Winslow 1981, "Adaptive-mesh zoning by the equipotential method" |
+| `arc_length` | |grad u| | sqrt(1 + alpha m²) | A. B. White 1979, "On selection of equidistributing meshes" |
+| `curvature` | |H|^(2/5), Frobenius | 1 + alpha m | Huang and Russell 2011: the optimal density for the L2 error |
+| `recovery_error` | eta^(2/3)/J | 1 + alpha m | equidistributes Zienkiewicz and Zhu's indicator |
+| `hierarchical_error` | eta^(2/5)/J | 1 + alpha m | equidistributes the hierarchical indicator |
+| `values` | u | u | the density itself, given by the user; no share |
+
+Gradient and Hessian H are recovered from nodal values. The exponents are those right across a front, where the cells'
+width h alone changes: the error of linear interpolation is h² u''/8, that of its gradient h u''/2, and eta, a norm over
+the cell, has another sqrt(h). (Where features are round, 2/3 instead of 2/5.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import GridgenError
+from ..grids import Grid
+from ..runtime import Array
+from ..solvers.sampled import nodal
+from .equidistribution import cell_areas, cell_means
+from .error_estimate import hierarchical_error, recovery_error
+from .recovery import nodal_values, recover_gradient, recover_hessian
+
+Measure = Callable[[Grid, Array], npt.ArrayLike]
+
+#: Steps of bisection by which the intensity is found to round-off.
+_BISECTIONS = 60
+
+
+def _slope(grid: Grid, values: Array) -> Array:
+    return np.asarray(np.hypot(*recover_gradient(grid, values)))
+
+
+def _curvature(grid: Grid, values: Array) -> Array:
+    u_xx, u_xy, u_yy = recover_hessian(grid, values)
+    return np.asarray((u_xx**2 + 2 * u_xy**2 + u_yy**2) ** 0.2)
+
+
+def _recovery_error(grid: Grid, values: Array) -> Array:
+    return nodal(recovery_error(grid, values) ** (2 / 3) / cell_areas(grid))
+
+
+def _hierarchical_error(grid: Grid, values: Array) -> Array:
+    return nodal(hierarchical_error(grid, values) ** 0.4 / cell_areas(grid))
+
+
+def _values(grid: Grid, values: Array) -> Array:
+    return values
+
+
+_MEASURES: dict[str, Measure] = {
+    "gradient": _slope,
+    "arc_length": _slope,
+    "curvature": _curvature,
+    "recovery_error": _recovery_error,
+    "hierarchical_error": _hierarchical_error,
+    "values": _values,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Monitor:
+    """How the density of nodes follows from a solution; the module's docstring has the formulas.
+
+    Attributes:
+        measure: a name (`gradient`, `arc_length`, `curvature`, `recovery_error`, `hierarchical_error`, `values`), or
+            your own function of the grid and the nodal values (ni, nj) that returns m >= 0, (ni, nj).
+        share: the share of the nodes that features are to have, at least 0 and below 1; not used by `values`.
+        smoothing: how often the density is averaged over 3 x 3 nodes with binomial weights, in the logical square:
+            cells grow more gently, and the adaptation settles sooner. After n passes a jump is about 2 sqrt(n) wide.
+    """
+
+    measure: str | Measure = "curvature"
+    share: float = 0.75
+    smoothing: int = 2
+
+    def __post_init__(self) -> None:
+        """Check the arguments."""
+        if not callable(self.measure) and self.measure not in _MEASURES:
+            raise GridgenError(
+                f"unknown monitor {self.measure!r}; known: {', '.join(_MEASURES)}, or your own function of the grid "
+                "and the nodal values"
+            )
+        if not isinstance(self.share, (int, float, np.number)) or not 0 <= self.share < 1:
+            raise GridgenError(
+                f"share is that of the nodes that features are to have, at least 0 and below 1; came {self.share!r}"
+            )
+        if not isinstance(self.smoothing, (int, np.integer)) or self.smoothing < 0:
+            raise GridgenError(f"smoothing is a number of passes, not negative; came {self.smoothing!r}")
+
+    def density(self, grid: Grid, values: npt.ArrayLike) -> Array:
+        """Return the density of nodes (ni, nj), positive, that nodal values (ni, nj) ask for.
+
+        Raises:
+            GridgenError: for values of another shape or not finite, a folded grid, or a measure that is negative,
+                not finite, or of another shape.
+        """
+        u = nodal_values(grid, values)
+        measure = _MEASURES[self.measure] if isinstance(self.measure, str) else self.measure
+        m = nodal_values(grid, measure(grid, u), "a monitor's measure")
+        if self.measure == "values":
+            _check_positive(grid, m, "density of nodes must be positive", smallest=np.finfo(float).tiny)
+            return smoothed(m, self.smoothing)
+        _check_positive(grid, m, "measure of features must not be negative", smallest=0.0)
+        return smoothed(self._intensified(grid, m), self.smoothing)
+
+    def _intensified(self, grid: Grid, m: Array) -> Array:
+        """Return the density whose excess over 1 has the share of the integral that is wanted."""
+        area = cell_areas(grid)
+
+        def mean(density: Array) -> float:
+            return float((cell_means(density) * area).sum() / area.sum())
+
+        if not m.any():  # Nothing to adapt to.
+            return np.ones_like(m)
+        m = m / mean(m)
+        if self.measure != "arc_length":
+            return 1 + self.share / (1 - self.share) * m
+        # For alpha -> infinity the mean is that of sqrt(alpha) m; it grows with alpha.
+        wanted = 1 / (1 - self.share)
+        low, high = 0.0, wanted**2
+        for _ in range(_BISECTIONS):
+            middle = (low + high) / 2
+            low, high = (middle, high) if mean(np.sqrt(1 + middle * m**2)) < wanted else (low, middle)
+        return np.asarray(np.sqrt(1 + high * m**2))
+
+
+def as_monitor(monitor: Monitor | str | Measure) -> Monitor:
+    """Return a monitor given in any form as a `Monitor`."""
+    return monitor if isinstance(monitor, Monitor) else Monitor(monitor)
+
+
+def smoothed(field: Array, passes: int) -> Array:
+    """Return a field (ni, nj) after some passes of the binomial average (1, 2, 1)/4 along both logical directions."""
+    for _ in range(passes):
+        for axis in (0, 1):
+            rows = np.moveaxis(field, axis, 0)
+            padded = np.concatenate((rows[:1], rows, rows[-1:]))
+            field = np.moveaxis((padded[:-2] + 2 * padded[1:-1] + padded[2:]) / 4, 0, axis)
+    return field
+
+
+def _check_positive(grid: Grid, m: Array, what: str, *, smallest: float) -> None:
+    if m.min() < smallest:
+        i, j = divmod(int(m.argmin()), m.shape[1])
+        raise GridgenError(
+            f"a monitor's {what}: it is {m.min():.6g} at node ({i}, {j}), x = {grid.x[i, j]:.6g}, "
+            f"y = {grid.y[i, j]:.6g}. Take its absolute value, or add {max(-m.min(), 0) + 1:.6g} to it"
+        )

@@ -1,0 +1,73 @@
+"""What adaptation returns: the grid, the values on it, and how each step went."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..grids import Grid, Quality, quality
+from ..runtime import Array
+from .equidistribution import Equidistribution
+
+
+@dataclass(frozen=True, slots=True)
+class AdaptStep:
+    """One line of the history of an adaptation.
+
+    Attributes:
+        step: 0 is the start.
+        movement: the farthest way of a node in this step, over the size of the domain; 0 at the start.
+        error: estimated L2 error of bilinear interpolation of the solution (see `hierarchical_error`).
+        spread: standard deviation over mean of the density of nodes times the cells' areas; 0 where it is
+            equidistributed.
+        min_jacobian: the smallest Jacobian at any corner of any cell.
+        damping: the share of the step that was taken.
+    """
+
+    step: int
+    movement: float
+    error: float
+    spread: float
+    min_jacobian: float
+    damping: float
+
+
+@dataclass(frozen=True, slots=True)
+class AdaptResult:
+    """An adapted grid.
+
+    Attributes:
+        grid: the last grid; always valid if the start was, or could be untangled.
+        values: (ni, nj), the solution on `grid`.
+        density: (ni, nj), the density of nodes that was asked for, at the nodes of `grid`.
+        converged: whether the grid has settled.
+        message: why it stopped, as a sentence; also what the user must know of the result.
+        history: one entry per step, the start first.
+        before: spread of s·J and sqrt(s)·J over the cells of the start, s being the last density.
+        after: the same over the cells of `grid`.
+        interrupted: whether Ctrl-C stopped it.
+    """
+
+    grid: Grid
+    values: Array
+    density: Array
+    converged: bool
+    message: str
+    history: tuple[AdaptStep, ...]
+    before: Equidistribution
+    after: Equidistribution
+    interrupted: bool = False
+
+    @property
+    def iterations(self) -> int:
+        """The number of steps."""
+        return len(self.history) - 1
+
+    @property
+    def quality(self) -> Quality:
+        """The quality measures of the grid."""
+        return quality(self.grid)
+
+    def __str__(self) -> str:
+        """Say in one line how it ended."""
+        state = "converged" if self.converged else "NOT converged"
+        return f"{state} after {self.iterations} steps: {self.message}"

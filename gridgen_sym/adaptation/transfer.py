@@ -1,0 +1,38 @@
+"""Carry nodal values from one grid to another of the same domain."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ..grids import Grid
+from ..runtime import Array
+from ..solvers.sampled import grid_field
+from .recovery import nodal_values
+
+
+def transfer(source: Grid, values: npt.ArrayLike, target: Grid, *, smooth: bool = False) -> Array:
+    """Return values at the nodes of `target` that interpolate nodal values on `source`.
+
+    Linear on the Delaunay triangles of the nodes: no value leaves the range of the given ones, so that fronts do not
+    overshoot. Nodes of `target` outside the hull of `source` (its boundary may be cut a little differently) take the
+    nearest value. A node that both grids have keeps its value to round-off.
+
+    Args:
+        source: the grid of the values.
+        values: (ni, nj), or (ni, nj, n) for several fields at once.
+        target: the other grid, of any shape.
+        smooth: use Clough and Tocher's cubic, which is more accurate for smooth fields and overshoots at fronts.
+
+    Returns:
+        An array of the shape of `target`, with the last axis of `values`, if there is one.
+
+    Raises:
+        GridgenError: for values of another shape, or that are not finite.
+    """
+    given = np.asarray(values)
+    if given.ndim == 3 and given.shape[2] > 0:
+        return np.stack(
+            [transfer(source, given[..., k], target, smooth=smooth) for k in range(given.shape[2])], axis=-1
+        )
+    return grid_field(source, nodal_values(source, given), smooth=smooth)(target.x, target.y)

@@ -1,0 +1,14 @@
+"""Functionals made for adaptation: they equidistribute a weight, and a barrier keeps every cell valid."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .definition import builtin
+from .metric import Metric
+
+
+@builtin(constraints=("k > 0",), reference="Section 2.1, with the barrier of Section 2.5")
+def area_winslow(m: Metric, k: float = 0.02) -> Any:  # noqa: ANN401
+    """Weighted area, with a little of winslow: it alone would be degenerate, and would fold."""
+    return m.s * m.J**2 / 2 + k * (m.g11 + m.g22) / m.J
