@@ -19,7 +19,7 @@ PIPELINE = ("functionals", "symbolic", "codegen", "runtime", "solvers")
 #: Grids stand on the ground: they import no other package, and of the pipeline only solvers import them.
 GROUND = "grids"
 #: What stands on top of everything, and is imported by nothing of it.
-TOP = {"cli", "paper_examples"}
+TOP = {"cli", "documentation", "paper_examples"}
 EVERY_PACKAGE = {*PIPELINE, GROUND, *TOP}
 #: Modules beside the packages that any package may use, and that use no package themselves.
 SHARED = {"errors", "messages", "resources", "atomic", "__version__"}
