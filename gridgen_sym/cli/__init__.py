@@ -11,7 +11,7 @@ import click
 from gridgen_sym import __version__
 
 from .base import Program, functionals_option
-from .formulas import check, derive, functionals, generate, verify
+from .formulas import check, derive, docs, functionals, generate, verify
 from .grids import domains, grid, quality
 from .system import info, paper
 
@@ -28,5 +28,5 @@ def main() -> None:
     """  # noqa: D301 - click reads the backspace: keep the lines
 
 
-for _command in (grid, quality, domains, functionals, derive, check, verify, generate, info, paper):
+for _command in (grid, quality, domains, functionals, derive, docs, check, verify, generate, info, paper):
     main.add_command(_command)

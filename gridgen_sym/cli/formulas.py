@@ -1,9 +1,10 @@
-"""Commands about formulas: `functionals`, `derive`, `check`, `verify`, `generate`."""
+"""Commands about formulas: `functionals`, `derive`, `docs`, `check`, `verify`, `generate`."""
 
 from __future__ import annotations
 
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -63,6 +64,22 @@ def derive(name: str, latex: bool) -> None:
     from gridgen_sym.symbolic import derive_latex, derive_text
 
     click.echo((derive_latex if latex else derive_text)(definition), nl=False)
+
+
+@click.command()
+@click.argument("name")
+@click.option(
+    "-o", "--output", "folder", default="out", show_default=True, metavar="DIR", help="Where the page and its files go."
+)
+@functionals_option
+def docs(name: str, folder: str) -> None:
+    """Write a page about the functional NAME: equations, classification, kernels, pictures (HTML)."""
+    from gridgen_sym.functionals import functional
+
+    definition = functional(name)
+    from gridgen_sym.documentation.standalone import write_html
+
+    click.echo(f"wrote {write_html(definition, Path(folder))}")
 
 
 @click.command()

@@ -27,15 +27,17 @@ def render(kernel: Kernel, language: str) -> Source:
     return Source(path.format(name=kernel.name), text)
 
 
+def render_page(template: str, **variables: object) -> str:
+    """Return a page of the documentation, from a template in `templates/docs`."""
+    return environment().get_template(f"docs/{template}").render(variables)
+
+
 def render_document(functional: Functional) -> Source:
     """Return the page of derived equations of a functional."""
     from ..symbolic.report import derive_text
 
-    text = (
-        environment()
-        .get_template("docs/functional.md.jinja")
-        .render(functional=functional, equations=derive_text(functional), version=__version__)
-    )
+    equations = derive_text(functional)
+    text = render_page("functional.md.jinja", functional=functional, equations=equations, version=__version__)
     return Source(f"docs/{functional.name}.md", text)
 
 

@@ -38,6 +38,8 @@ class Functional:
         constraints: comparisons that the parameters must meet, such as `"k >= 0"`.
         description: one sentence for lists.
         reference: where it comes from.
+        use_when: when to choose it, in Markdown, for its page.
+        avoid_when: when not to.
     """
 
     name: str
@@ -47,6 +49,8 @@ class Functional:
     constraints: tuple[str, ...] = ()
     description: str = ""
     reference: str = ""
+    use_when: str = ""
+    avoid_when: str = ""
 
     def expression(self) -> Any:  # noqa: ANN401 - a SymPy expression; SymPy is not imported here
         """Return the density as a SymPy expression in the symbols of the metric and the parameters.
@@ -149,7 +153,12 @@ def is_builtin(name: str) -> bool:
 
 
 def builtin(
-    *, corner_factor: int = 1, constraints: tuple[str, ...] = (), reference: str = ""
+    *,
+    corner_factor: int = 1,
+    constraints: tuple[str, ...] = (),
+    reference: str = "",
+    use_when: str = "",
+    avoid_when: str = "",
 ) -> Callable[[Density], Density]:
     """Register the decorated density under the function's name, as part of the package."""
 
@@ -162,6 +171,8 @@ def builtin(
             constraints=constraints,
             description=(density.__doc__ or "").strip(),
             reference=reference,
+            use_when=use_when,
+            avoid_when=avoid_when,
         )
         _builtin.add(density.__name__)
         return density

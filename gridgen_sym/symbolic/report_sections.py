@@ -12,9 +12,11 @@ from ..functionals.definition import Functional
 from .bounds import LowerBound
 from .classify import Classification, classify
 from .continuous import EulerLagrange, euler_lagrange
-from .coordinates import FIRST_DERIVATIVES, SECOND_DERIVATIVES, Variant, s
+from .coordinates import FIRST_DERIVATIVES, Variant, s
 from .discrete import CornerModel, corner_model
+from .ellipticity import k1, k2
 from .equidistribution import equidistribution
+from .tidy import common_factor, paper_order, tidy, tidy_quadratic
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +30,9 @@ class Divergence:
 
 @dataclass(frozen=True, slots=True)
 class Quasilinear:
-    """An equation: the sum of coefficient times second derivative, plus a rest, = 0."""
+    """An equation: factor times (the sum of coefficient times second derivative), plus a rest, = 0."""
 
+    factor: Expr
     terms: tuple[tuple[Expr, Expr], ...]
     rest: Expr
 
@@ -42,24 +45,33 @@ class Section:
     """A titled part of a report.
 
     Attributes:
-        title: its title.
+        title: its title; sections that follow each other may share it.
+        subtitle: what tells them apart.
         items: sentences, named expressions and equations.
+        detail: whether it is for reference: what a page shows when asked only.
     """
 
     title: str
     items: tuple[Item, ...]
+    subtitle: str = ""
+    detail: bool = False
+
+    @property
+    def heading(self) -> str:
+        """The title and the subtitle."""
+        return f"{self.title}, {self.subtitle}" if self.subtitle else self.title
 
 
 def sections(functional: Functional) -> Iterator[Section]:
     """Yield the sections of the report on a functional."""
-    model = corner_model(functional, "plain")
     yield Section("Density", (("F", functional.expression()),))
-    yield Section("Corner energy, with s = 1", _corner(model))
+    yield from _corner(corner_model(functional, "plain"))
     yield from _equations(euler_lagrange(functional, "plain"), "Euler-Lagrange equations, with s = 1")
     yield Section("Classification, where J > 0", tuple(_classification(classify(functional))))
     if functional.expression().has(s):
         for variant in _weighted():
-            yield from _equations(euler_lagrange(functional, variant), f"Euler-Lagrange equations, weight {variant}")
+            derived = euler_lagrange(functional, variant)
+            yield from _equations(derived, f"Euler-Lagrange equations, weight {variant}", detail=True)
             yield Section(f"Equidistribution, weight {variant}", tuple(_law(functional, variant)))
 
 
@@ -67,49 +79,52 @@ def _weighted() -> tuple[Variant, Variant]:
     return ("frozen", "differentiated")
 
 
-def _corner(model: CornerModel) -> tuple[Item, ...]:
+def _corner(model: CornerModel) -> Iterator[Section]:
     names = [str(p) for p in FIRST_DERIVATIVES]
-    slopes: list[Item] = [(f"dE/d{name}", part) for name, part in zip(names, model.gradient, strict=True)]
-    bends = _entries("d²E/", model.hessian, names)
-    kept = _entries("H+/", model.semidefinite_hessian, names)
+    slopes = [(f"dE/d{name}", tidy(part)) for name, part in zip(names, model.gradient, strict=True)]
+    yield Section("Corner energy and gradient, with s = 1", (("E", model.energy), *slopes))
+    yield Section("Corner Hessian", tuple(_entries("d²E/", model.hessian, names)), detail=True)
     answer = "positive semidefinite" if model.splitting.holds else "not always positive semidefinite"
     convex = "polyconvex" if model.splitting.holds else "not polyconvex"
     sentence = (
         f"The Hessian H+ without the term dP/dJ d²J is {answer}; the density is {convex} ({model.splitting.proof})."
     )
-    return (("E", model.energy), *slopes, *bends, sentence, *kept)
+    kept = _entries("H+/", model.semidefinite_hessian, names)
+    yield Section("Semidefinite part of the Hessian", (sentence, *kept), detail=True)
 
 
-def _entries(head: str, matrix: sympy.Matrix, names: list[str]) -> list[Item]:
+def _entries(head: str, matrix: sympy.Matrix, names: list[str]) -> list[tuple[str, Expr]]:
     """Return the 10 distinct entries of a symmetric 4x4 matrix."""
-    return [
-        (f"{head}d{names[i]}d{names[j]}", sympy.collect(matrix[i, j], FIRST_DERIVATIVES))
-        for i in range(4)
-        for j in range(i, 4)
-    ]
+    return [(f"{head}d{names[i]}d{names[j]}", tidy(matrix[i, j])) for i in range(4) for j in range(i, 4)]
 
 
-def _equations(derived: EulerLagrange, title: str) -> Iterator[Section]:
-    divergence = tuple(Divergence(derived.fluxes[row], derived.fluxes[2 + row], derived.sources[row]) for row in (0, 1))
-    yield Section(f"{title}, divergence form (x, y)", divergence)
-    expanded = tuple(
-        Quasilinear(
-            tuple((sympy.factor(derived.coefficients[second][row]), second) for second in SECOND_DERIVATIVES),
-            derived.rest[row],
-        )
-        for row in (0, 1)
-    )
-    yield Section(f"{title}, expanded form (x, y)", expanded)
+def _equations(derived: EulerLagrange, title: str, *, detail: bool = False) -> Iterator[Section]:
+    fluxes = [tidy(flux) for flux in derived.fluxes]
+    divergence = tuple(Divergence(fluxes[row], fluxes[2 + row], derived.sources[row]) for row in (0, 1))
+    yield Section(title, divergence, "divergence form (x, y)", detail)
+    expanded = tuple(_quasilinear(derived, row) for row in (0, 1))
+    yield Section(title, expanded, "expanded form (x, y)", detail)
     if derived.reduction is not None:
         reduction = derived.reduction
         items: tuple[Item, ...] = (
             "The residuals are M times w, so that w = 0 wherever det M is not zero.",
-            ("M", reduction.matrix),
+            ("M", reduction.matrix.applyfunc(tidy)),
             ("det M", reduction.determinant),
             ("w_x", reduction.system[0]),
             ("w_y", reduction.system[1]),
         )
-        yield Section(f"{title}, reduced system", items)
+        yield Section(title, items, "reduced system", detail)
+
+
+def _quasilinear(derived: EulerLagrange, row: int) -> Quasilinear:
+    """Return an expanded equation, its terms grouped as in the paper."""
+    terms = [(tidy(derived.coefficients[second][row]), second) for second in paper_order(row)]
+    factor = common_factor(coefficient for coefficient, _ in terms)
+    return Quasilinear(
+        factor,
+        tuple((coefficient / factor, second) for coefficient, second in terms if coefficient != 0),
+        tidy(derived.rest[row]),
+    )
 
 
 def _classification(found: Classification) -> Iterator[Item]:
@@ -118,8 +133,8 @@ def _classification(found: Classification) -> Iterator[Item]:
     if found.ellipticity.witness:
         values = ", ".join(f"{name} = {value}" for name, value in found.ellipticity.witness)
         yield f"Witness of det A < 0 with J > 0: {values}."
-    yield ("A(k)", found.symbol)
-    yield ("det A(k)", found.determinant)
+    yield ("A(k)", found.symbol.applyfunc(lambda entry: tidy_quadratic(entry, (k1, k2))))
+    yield ("det A(k)", sympy.factor_terms(found.determinant))
     yield f"Null Lagrangian: {_yes(found.null_lagrangian)}. Barrier at J = 0: {_yes(found.barrier)}."
     yield (
         f"Invariant under translation: {_yes(found.translation)}; rotation: {_yes(found.rotation)}; "

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sympy
+from sympy import Expr
 
 from .report_sections import Divergence, Item, Quasilinear, Section
 
 
 def text_section(section: Section) -> str:
     """Return a section as plain text, underlined title first."""
-    lines = [section.title, "-" * len(section.title)]
+    lines = [section.heading, "-" * len(section.heading)]
     for item in section.items:
         lines += _lines(item)
     return "\n".join(lines)
@@ -32,7 +33,18 @@ def _lines(item: Item) -> list[str]:
 
 
 def _quasilinear(equation: Quasilinear) -> list[str]:
-    parts = [f"({coefficient})*{second}" for coefficient, second in equation.terms if coefficient != 0]
-    if equation.rest != 0:
-        parts.append(f"({equation.rest})")
-    return ["  " + "\n+ ".join(parts or ["0"]) + "\n= 0"]
+    lines = [_term(coefficient, second) for coefficient, second in equation.terms] or ["+ 0"]
+    if equation.factor != 1:
+        lines = [f"  ({equation.factor})*(", *lines, "  )"]
+    rest = [f"+ ({equation.rest})"] if equation.rest != 0 else []
+    return [*lines, *rest, "= 0"]
+
+
+def _term(coefficient: Expr, second: Expr) -> str:
+    sign = "-" if coefficient.could_extract_minus_sign() else "+"
+    size = -coefficient if sign == "-" else coefficient
+    return f"{sign} {second}" if size == 1 else f"{sign} {_factor(size)}*{second}"
+
+
+def _factor(expression: Expr) -> str:
+    return f"({expression})" if expression.is_Add else str(expression)

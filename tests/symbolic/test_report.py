@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import pytest
+import sympy
+from sympy import Rational
 
 from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
-from gridgen_sym.symbolic import derive_latex, derive_text
+from gridgen_sym.symbolic import classify, corner_model, derive_latex, derive_text, euler_lagrange
+from gridgen_sym.symbolic.coordinates import FIRST_DERIVATIVES, SECOND_DERIVATIVES, expand_metric
+from gridgen_sym.symbolic.report_sections import Quasilinear, sections
+from gridgen_sym.symbolic.tidy import common_factor, paper_order, tidy
 
 
 @pytest.mark.parametrize("name", functionals())
@@ -40,3 +45,63 @@ def test_what_is_not_there_is_said_in_words():
     assert "Lower bound: none, unbounded below by scaling." in text
     assert "Lower bound: none found." in derive_text(Functional("other", "J**2 - J**4"))
     assert "None" not in text
+
+
+POINT = {p: Rational(k + 2, 2 * k + 3) for k, p in enumerate((*FIRST_DERIVATIVES, *SECOND_DERIVATIVES))}
+
+
+def value(expression):
+    """Return the exact value of an expression at rational derivatives, with J > 0; parameters and k are 2, 3, ..."""
+    written = expand_metric(sympy.sympify(expression)).subs(POINT)
+    return sympy.nsimplify(written.subs({v: k + 2 for k, v in enumerate(sorted(written.free_symbols, key=str))}))
+
+
+def shown(name):
+    """Return what the report on a functional shows, by the name of the item; expanded equations in a list."""
+    items = [item for section in sections(functional(name)) if "weight" not in section.title for item in section.items]
+    equations = [item for item in items if isinstance(item, Quasilinear)]
+    return dict(item for item in items if isinstance(item, tuple)), equations
+
+
+@pytest.mark.parametrize("name", functionals())
+def test_tidy_expressions_have_the_values_of_the_derived_ones(name):
+    named, equations = shown(name)
+    model, derived = corner_model(functional(name), "plain"), euler_lagrange(functional(name), "plain")
+    for equation, residual in zip(equations, derived.residual, strict=True):
+        total = equation.factor * sum(factor * second for factor, second in equation.terms) + equation.rest
+        assert value(total) == value(residual)
+    for variable, slope in zip(FIRST_DERIVATIVES, model.gradient, strict=True):
+        assert value(named[f"dE/d{variable}"]) == value(slope)
+    for i, j in ((0, 0), (0, 3), (1, 2), (3, 3)):
+        entry = f"d{FIRST_DERIVATIVES[i]}d{FIRST_DERIVATIVES[j]}"
+        assert value(named[f"d²E/{entry}"]) == value(model.hessian[i, j])
+        assert value(named[f"H+/{entry}"]) == value(model.semidefinite_hessian[i, j])
+    found = classify(functional(name))
+    assert [value(entry) for entry in named["A(k)"]] == [value(entry) for entry in found.symbol]
+    assert value(named["det A(k)"]) == value(found.determinant)
+
+
+def test_terms_stand_as_in_the_paper():
+    assert " ".join(map(str, paper_order(0))) == "x_xixi y_xixi x_xieta y_xieta x_etaeta y_etaeta"
+    _, (first, second) = shown("winslow")
+    assert str(first.factor) == "2/J**3"
+    assert str(first.terms[0][0]) == "g22*(y_eta**2 + y_xi**2)"
+    assert [str(name) for _, name in second.terms][:2] == ["y_xixi", "x_xixi"]
+
+
+def test_common_factors_are_those_of_all_entries():
+    j, a = sympy.symbols("J a", real=True)
+    assert common_factor([4 * a / j**2, 6 / j**3]) == 2 / j**2
+    assert common_factor([a, 1 / j]) == 1
+    assert common_factor([sympy.S.Zero]) == 1
+
+
+def test_what_is_not_rational_stays_as_it_was_derived():
+    a = sympy.Symbol("a", real=True)
+    assert tidy(sympy.exp(a) + a * sympy.exp(a)) == sympy.exp(a) + a * sympy.exp(a)
+
+
+def test_a_sentence_is_safe_for_latex():
+    from gridgen_sym.symbolic.report_latex import latex_sentence
+
+    assert latex_sentence("50% of k_A & J² < #1") == r"50\% of k\_A \& J$^2$ $<$ \#1"

@@ -1,0 +1,147 @@
+"""The page of one functional: Markdown, its picture and its kernels, all derived when it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..atomic import write_bytes
+from ..codegen.kernel import Kernel
+from ..codegen.printers import CPrinter, NumpyPrinter, Printer
+from ..codegen.programs import kernel
+from ..codegen.render import render, render_page
+from ..functionals import Functional
+from ..symbolic import Classification, classify
+from ..symbolic.report_latex import latex, latex_formulas
+from ..symbolic.report_sections import Section, sections
+from .advice import consequences
+from .pictures import draw, trials
+
+#: A formula of more letters of LaTeX than this goes behind a fold.
+_LONGEST = 450
+_MEANING: Mapping[str, str] = {
+    "corner_energy": "energy of a corner",
+    "corner_gradient": "and its gradient",
+    "corner_hessian": "and its Hessian",
+    "corner_semidefinite": "a positive semidefinite Hessian",
+    "residual": "Euler–Lagrange residual at a node",
+    "residual_slopes": "and its derivatives, for Newton's method",
+    "residual_coefficients": "and its coefficients, for relaxation",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of a page.
+
+    Attributes:
+        heading: its heading in Markdown, or nothing where it belongs to the one before.
+        fold: what the fold says that hides it, or nothing where it is shown.
+        blocks: (`text` or `formula`, content) in their order.
+    """
+
+    heading: str
+    fold: str
+    blocks: tuple[tuple[str, str], ...]
+
+
+def write_functional_page(functional: Functional, folder: Path) -> Path:
+    """Write `NAME.md` with its pictures and its kernels into a folder, and return its path.
+
+    Raises:
+        MissingExtraError: if Matplotlib is not installed.
+    """
+    found, derived = classify(functional), kernel(functional, "plain")
+    tried = trials(functional)
+    pictures = draw(functional, tried, folder)
+    text = render_page(
+        "functional_page.md.jinja",
+        functional=functional,
+        density=f"F = {latex(functional.expression())}",
+        facts=tuple(_facts(found)),
+        pictures=pictures,
+        cells=tried[0].start.shape[0] - 1,
+        consequences=tuple(consequences(found)),
+        parts=tuple(_parts(functional)),
+        programs=[
+            {"name": name, "meaning": _MEANING[name], "operations": program.operations}
+            for name, program in derived.programs.items()
+        ],
+        sources=tuple(_sources(derived, folder)),
+        trials=tried,
+    )
+    return write_if_changed(folder / f"{functional.name}.md", text)
+
+
+def write_if_changed(path: Path, text: str) -> Path:
+    """Write a page unless it is what stands there: Sphinx reads again what has a new date."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        write_bytes(path, text.encode())
+    return path
+
+
+def _facts(found: Classification) -> Iterator[tuple[str, str]]:
+    """Yield what a reader wants to know first."""
+    how = {"proved": "proved", "refuted": "refuted by an exact witness", "sampled": "sampled"}
+    linear, coupled, kind = found.words()
+    yield "Equations", f"{linear}, {coupled}, {kind} where $J > 0$ ({how[found.ellipticity.proof]})"
+    yield "Barrier at $J = 0$", "yes" if found.barrier else "no"
+    invariant = {"translation": found.translation, "rotation": found.rotation, "exchange of ξ and η": found.exchange}
+    kept = [name for name, holds in invariant.items() if holds]
+    yield "Invariant under", ", ".join(kept) or "none of translation, rotation, exchange of ξ and η"
+    degree = found.scaling_degree
+    yield "Scaling", "not homogeneous" if degree is None else f"of degree ${latex(degree)}$"
+    bound = found.lower_bound
+    yield "Lower bound", "none known" if bound.value is None else f"${latex(bound.value)}$ ({bound.proof})"
+    yield "Polyconvex", f"{'yes' if found.polyconvex.holds else 'no'} ({how[found.polyconvex.proof]})"
+    if found.functional.parameters:
+        values = ", ".join(f"`{name}` = {value:g}" for name, value in found.functional.parameters.items())
+        rules = ", ".join(f"`{rule}`" for rule in found.functional.constraints)
+        yield "Parameters", values + (f", with {rules}" if rules else "")
+
+
+def _parts(functional: Functional) -> Iterator[Part]:
+    """Yield the sections of the report, those for reference and those with long formulas behind a fold."""
+    title = ""
+    for section in sections(functional):
+        if section.title == "Density":
+            continue
+        blocks = tuple(_blocks(section))
+        if section.detail:
+            yield Part("", section.heading, blocks)
+            continue
+        if section.subtitle and section.title != title:
+            yield Part(f"## {section.title}", "", ())
+        title = section.title
+        heading = f"### {section.subtitle[0].upper()}{section.subtitle[1:]}" if section.subtitle else f"## {title}"
+        short = tuple(block for block in blocks if len(block[1]) <= _LONGEST)
+        yield Part(heading, "", short)
+        if short != blocks:
+            yield Part("", "The long formulas of this section", tuple(block for block in blocks if block not in short))
+
+
+def _blocks(section: Section) -> Iterator[tuple[str, str]]:
+    for item in section.items:
+        if isinstance(item, str):
+            yield "text", item
+        else:
+            yield from (("formula", formula) for formula in latex_formulas(item))
+
+
+def _sources(derived: Kernel, folder: Path) -> Iterator[tuple[str, str, str, str]]:
+    """Write the kernels' files beside the page; yield language, its name for a fence, the arithmetic, the file."""
+    printers: tuple[tuple[str, str, str, Printer, str], ...] = (
+        ("C", "c", "c", CPrinter(), "const double {} = {};"),
+        ("NumPy", "python", "numpy", NumpyPrinter(), "{} = {}"),
+    )
+    for language, fence, key, printer, line in printers:
+        source = render(derived, key)
+        file = Path(source.path).name
+        write_if_changed(folder / file, source.text)
+        remark = "/* {} */" if key == "c" else "# {}"
+        programs = [
+            "\n".join([remark.format(name), *(line.format(*pair) for pair in printer.program(program))])
+            for name, program in derived.programs.items()
+        ]
+        yield language, fence, "\n\n".join(programs), file

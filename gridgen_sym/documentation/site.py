@@ -1,0 +1,40 @@
+"""Write the pages of the site that derive themselves; an extension of Sphinx, named in `docs/conf.py`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..codegen.render import render_page
+from ..functionals import functional, functionals
+from ..symbolic import classify
+from .functional_page import write_functional_page, write_if_changed
+
+#: Files of the repository that other pages link to, and the pages of the site that show them.
+_PAGES_OF_FILES = {"../benchmarks/README.md": "benchmarks_method.md", "../CHANGELOG.md": "changelog.md"}
+
+
+def setup(app: Any) -> dict[str, bool]:  # noqa: ANN401 - Sphinx may be missing where this is read
+    """Have the pages written before Sphinx looks for its sources."""
+    app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir)))
+    app.connect("source-read", _stay_on_the_site)
+    return {"parallel_read_safe": True}
+
+
+def _stay_on_the_site(app: Any, page: str, source: list[str]) -> None:  # noqa: ANN401
+    """Lead links to files of the repository to the pages that show them."""
+    for file, shown in _PAGES_OF_FILES.items():
+        source[0] = source[0].replace(f"]({file})", f"]({shown})")
+
+
+def write_pages(docs: Path) -> None:
+    """Write every derived page below the folder of the site's sources."""
+    _write_functionals(docs / "functionals")
+
+
+def _write_functionals(folder: Path) -> None:
+    folder.mkdir(exist_ok=True)
+    found = [classify(functional(name)) for name in functionals()]
+    for one in found:
+        write_functional_page(one.functional, folder)
+    write_if_changed(folder / "index.md", render_page("functionals_index.md.jinja", found=found))
