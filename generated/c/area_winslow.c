@@ -65,6 +65,7 @@ typedef struct {
 
 static inline int64_t smaller(int64_t a, int64_t b) { return a < b ? a : b; }
 static inline int64_t larger(int64_t a, int64_t b) { return a > b ? a : b; }
+INLINE double lower(double a, double b) { return a < b ? a : b; }
 INLINE double sign(double a) { return (double)((a > 0.0) - (a < 0.0)); }
 
 /* Which corners of cell (i, j) count: bit 0 at node (i, j), 1 at (i+1, j), 2 at (i, j+1), 3 at (i+1, j+1). */
@@ -499,47 +500,29 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
       const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
       const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
       const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-      double f0x = 0.0, f0y = 0.0, f1x = 0.0, f1y = 0.0, f2x = 0.0, f2y = 0.0, f3x = 0.0, f3y = 0.0;
-      {
-        const corner_gradient_values corner = corner_gradient(a0x, a0y, b0x, b0y, parameters);
-        least = corner.jacobian < least ? corner.jacobian : least;
-        if (corners_of_cell(block, i, begin + k) & 1u) {
-        sum += corner.energy;
-        f0x -= corner.d0, f0y -= corner.d1, f1x += corner.d0, f1y += corner.d1;
-        f0x -= corner.d2, f0y -= corner.d3, f2x += corner.d2, f2y += corner.d3;
-        }
-      }
-      {
-        const corner_gradient_values corner = corner_gradient(a0x, a0y, b1x, b1y, parameters);
-        least = corner.jacobian < least ? corner.jacobian : least;
-        if (corners_of_cell(block, i, begin + k) & 2u) {
-        sum += corner.energy;
-        f0x -= corner.d0, f0y -= corner.d1, f1x += corner.d0, f1y += corner.d1;
-        f1x -= corner.d2, f1y -= corner.d3, f3x += corner.d2, f3y += corner.d3;
-        }
-      }
-      {
-        const corner_gradient_values corner = corner_gradient(a1x, a1y, b0x, b0y, parameters);
-        least = corner.jacobian < least ? corner.jacobian : least;
-        if (corners_of_cell(block, i, begin + k) & 4u) {
-        sum += corner.energy;
-        f2x -= corner.d0, f2y -= corner.d1, f3x += corner.d0, f3y += corner.d1;
-        f0x -= corner.d2, f0y -= corner.d3, f2x += corner.d2, f2y += corner.d3;
-        }
-      }
-      {
-        const corner_gradient_values corner = corner_gradient(a1x, a1y, b1x, b1y, parameters);
-        least = corner.jacobian < least ? corner.jacobian : least;
-        if (corners_of_cell(block, i, begin + k) & 8u) {
-        sum += corner.energy;
-        f2x -= corner.d0, f2y -= corner.d1, f3x += corner.d0, f3y += corner.d1;
-        f1x -= corner.d2, f1y -= corner.d3, f3x += corner.d2, f3y += corner.d3;
-        }
-      }
-      f[0][k + 1] = f0x, f[1][k + 1] = f0y;
-      f[2][k + 1] = f1x, f[3][k + 1] = f1y;
-      f[4][k + 1] = f2x, f[5][k + 1] = f2y;
-      f[6][k + 1] = f3x, f[7][k + 1] = f3y;
+      corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, parameters);
+      corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, parameters);
+      corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, parameters);
+      corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, parameters);
+      const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
+      least = low < least ? low : least;
+      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_gradient_values){0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_gradient_values){0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_gradient_values){0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_gradient_values){0.0};
+      sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
+      const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
+      const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
+      const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
+      const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+      f[0][k + 1] = -da0x - db0x;
+      f[1][k + 1] = -da0y - db0y;
+      f[2][k + 1] = da0x - db1x;
+      f[3][k + 1] = da0y - db1y;
+      f[4][k + 1] = -da1x + db0x;
+      f[5][k + 1] = -da1y + db0y;
+      f[6][k + 1] = da1x + db1x;
+      f[7][k + 1] = da1y + db1y;
     }
 
   } else {
@@ -550,47 +533,25 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
     const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
     const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
     const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-    double f0x = 0.0, f0y = 0.0, f1x = 0.0, f1y = 0.0, f2x = 0.0, f2y = 0.0, f3x = 0.0, f3y = 0.0;
-    {
-      const corner_gradient_values corner = corner_gradient(a0x, a0y, b0x, b0y, parameters);
-      least = corner.jacobian < least ? corner.jacobian : least;
-      {
-      sum += corner.energy;
-      f0x -= corner.d0, f0y -= corner.d1, f1x += corner.d0, f1y += corner.d1;
-      f0x -= corner.d2, f0y -= corner.d3, f2x += corner.d2, f2y += corner.d3;
-      }
-    }
-    {
-      const corner_gradient_values corner = corner_gradient(a0x, a0y, b1x, b1y, parameters);
-      least = corner.jacobian < least ? corner.jacobian : least;
-      {
-      sum += corner.energy;
-      f0x -= corner.d0, f0y -= corner.d1, f1x += corner.d0, f1y += corner.d1;
-      f1x -= corner.d2, f1y -= corner.d3, f3x += corner.d2, f3y += corner.d3;
-      }
-    }
-    {
-      const corner_gradient_values corner = corner_gradient(a1x, a1y, b0x, b0y, parameters);
-      least = corner.jacobian < least ? corner.jacobian : least;
-      {
-      sum += corner.energy;
-      f2x -= corner.d0, f2y -= corner.d1, f3x += corner.d0, f3y += corner.d1;
-      f0x -= corner.d2, f0y -= corner.d3, f2x += corner.d2, f2y += corner.d3;
-      }
-    }
-    {
-      const corner_gradient_values corner = corner_gradient(a1x, a1y, b1x, b1y, parameters);
-      least = corner.jacobian < least ? corner.jacobian : least;
-      {
-      sum += corner.energy;
-      f2x -= corner.d0, f2y -= corner.d1, f3x += corner.d0, f3y += corner.d1;
-      f1x -= corner.d2, f1y -= corner.d3, f3x += corner.d2, f3y += corner.d3;
-      }
-    }
-    f[0][k + 1] = f0x, f[1][k + 1] = f0y;
-    f[2][k + 1] = f1x, f[3][k + 1] = f1y;
-    f[4][k + 1] = f2x, f[5][k + 1] = f2y;
-    f[6][k + 1] = f3x, f[7][k + 1] = f3y;
+    const corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, parameters);
+    const corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, parameters);
+    const corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, parameters);
+    const corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, parameters);
+    const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
+    least = low < least ? low : least;
+    sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
+    const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
+    const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
+    const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
+    const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+    f[0][k + 1] = -da0x - db0x;
+    f[1][k + 1] = -da0y - db0y;
+    f[2][k + 1] = da0x - db1x;
+    f[3][k + 1] = da0y - db1y;
+    f[4][k + 1] = -da1x + db0x;
+    f[5][k + 1] = -da1y + db0y;
+    f[6][k + 1] = da1x + db1x;
+    f[7][k + 1] = da1y + db1y;
   }
 
   }
