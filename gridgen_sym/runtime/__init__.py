@@ -3,6 +3,7 @@
 from .compiler import cache_folder as cache_folder
 from .compiler import compile_library as compile_library
 from .compiler import find_compiler as find_compiler
+from .kernels import HESSIAN_PLANES as HESSIAN_PLANES
 from .kernels import Array as Array
 from .kernels import KernelSet as KernelSet
 from .kernels import Mask as Mask

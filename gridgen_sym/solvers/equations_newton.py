@@ -14,13 +14,15 @@ from ..grids import corner_jacobians
 from ..runtime import Array
 from .equations import Equations
 from .linear import LinearSolver, jacobian_solver
-from .problem import converged_message, norm_of
+from .problem import converged_message, norm_of, step_control_message
 from .progress import Progress
 from .sparse import assemble_jacobian, to_field, to_vector
 
 _HALVINGS = 30
 #: Relative residual of the linear solves.
 _FORCING = 1e-3
+#: Steps in a row that are cut short by the guard and lower the norm by less than this factor: it holds the grid back.
+_PATIENCE, _LITTLE = 5, 0.99
 #: Levenberg's damping: where it begins and ends, over the mean diagonal of the normal equations.
 _FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
 
@@ -28,7 +30,10 @@ _FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
 def solve_by_newton(
     equations: Equations, coordinates: Array, report: Progress, tolerance: float, limit: int, keep_valid: bool
 ) -> tuple[bool, str]:
-    """Newton's method with a line search on the residual's norm, or Levenberg's damping where not elliptic."""
+    """Newton's method with a line search on the residual's norm, or Levenberg's damping where not elliptic.
+
+    With `keep_valid`, and for barrier functionals, no step folds a cell of a valid grid.
+    """
     problem, damping = equations.problem, 0.0
     if problem.kernels.equation_type != "elliptic":
         damping = _FIRST_DAMPING
@@ -36,27 +41,37 @@ def solve_by_newton(
     norm = first = norm_of(residual)
     floor = equations.round_off(coordinates)
     solver = jacobian_solver(problem.fixed, problem.kernels.backend)
+    cut = held_back = 0
     for iteration in range(limit + 1):
         smallest = equations.remember(coordinates, norm)
         report.step(iteration, float("nan"), norm, smallest)
         if norm <= max(tolerance * first, floor):
-            return True, converged_message("residual", norm, first, iteration)
-        if iteration == limit:
+            return True, converged_message("residual", norm, first, iteration) + step_control_message(cut)
+        if iteration == limit or held_back == _PATIENCE:
             break
         guard = 0.1 * smallest if smallest > 0 and (problem.kernels.barrier or keep_valid) else -np.inf
-        step, damping = _reduce(equations, solver, coordinates, residual, damping, guard)
+        step, damping, folds = _reduce(equations, solver, coordinates, residual, damping, guard)
         if step is None:
             return (
                 False,
                 f"no step lowers the residual's norm further; it is {norm:.2e}, {norm / first:.1e} of its first.",
             )
         coordinates += step
+        before = norm
         problem.refresh(coordinates)
         residual = equations.residual(coordinates)
         norm = norm_of(residual)
+        cut, held_back = cut + folds, held_back + 1 if folds and norm > _LITTLE * before else 0
+    if held_back == _PATIENCE:
+        return False, (
+            f"the solution lies beyond the valid grids: every step towards it would fold a cell. The residual's "
+            f"norm is {norm:.2e}, {norm / first:.1e} of its first value. This is the best valid grid; "
+            "keep_valid=False lets cells fold."
+        )
     return (
         False,
-        f"{limit} steps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value.",
+        f"{limit} steps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value."
+        + step_control_message(cut),
     )
 
 
@@ -67,8 +82,12 @@ def _reduce(
     residual: Array,
     damping: float,
     guard: float,
-) -> tuple[Array | None, float]:
-    """Return a step that lowers the residual's norm (None if there is none), and the damping for the next one."""
+) -> tuple[Array | None, float, bool]:
+    """Return a step that lowers the residual's norm (None if there is none), and the damping for the next one.
+
+    Also, whether a longer step was refused because it would have folded a cell.
+    """
+    folds = False
     norm, fixed = norm_of(residual), equations.problem.fixed
     planes = equations.jacobian(coordinates)
     if damping == 0.0:
@@ -76,8 +95,11 @@ def _reduce(
             solver.solve(-residual, _FORCING).vector if solver.set_operator(planes) else np.full_like(residual, np.nan)
         )
         for length in 0.5 ** np.arange(_HALVINGS):
-            if _accepted(equations, coordinates + length * direction, (1 - 1e-4 * length) * norm, guard):
-                return length * direction, 0.0
+            trial = coordinates + length * direction
+            if not _above(trial, guard):
+                folds = True
+            elif norm_of(equations.residual(trial)) <= (1 - 1e-4 * length) * norm:
+                return length * direction, 0.0, folds
         damping = _FIRST_DAMPING
     matrix = assemble_jacobian(planes, fixed)
     right = -to_vector(residual, fixed)
@@ -87,16 +109,18 @@ def _reduce(
         from scipy.sparse import identity
 
         direction = to_field(_solve(normal + damping * size * identity(slope.size, format="csc"), slope), fixed)
-        if _accepted(equations, coordinates + direction, (1 - 1e-6) * norm, guard):
-            return direction, damping / 5
+        trial = coordinates + direction
+        if not _above(trial, guard):
+            folds = True
+        elif norm_of(equations.residual(trial)) <= (1 - 1e-6) * norm:
+            return direction, damping / 5, folds
         damping *= 4
-    return None, damping
+    return None, damping, folds
 
 
-def _accepted(equations: Equations, trial: Array, norm: float, guard: float) -> bool:
-    if not np.isfinite(trial).all() or not corner_jacobians(trial[0], trial[1]).min() > guard:
-        return False
-    return norm_of(equations.residual(trial)) <= norm
+def _above(trial: Array, guard: float) -> bool:
+    """Return whether a grid is made of numbers and its smallest Jacobian is above the guard."""
+    return bool(np.isfinite(trial).all() and corner_jacobians(trial[0], trial[1]).min() > guard)
 
 
 def _solve(matrix: Any, right: Array) -> Array:  # noqa: ANN401

@@ -16,16 +16,15 @@ import numpy.typing as npt
 from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid, corner_jacobians
-from ..runtime import Array
 from .equations import Equations
 from .equations_newton import solve_by_newton
 from .equations_relaxation import solve_by_relaxation
-from .nested import nested_start, worth_nesting
 from .newton import minimize
-from .problem import INTERRUPTED, Problem, check_controls, make_problem, result_of
+from .problem import Problem, check_controls, make_problem
 from .progress import Callback, Progress
 from .result import Result
-from .untangle import could_not_unfold, unfold
+from .run import Run
+from .stopping import run_to_result
 from .weight import Source, Weight
 
 #: How near to the minimum a grid is brought that was folded at the start.
@@ -47,8 +46,9 @@ def solve_euler_lagrange(
     max_iterations: int | None = None,
     relaxation: float | None = None,
     spacing: tuple[float, float] = (1.0, 1.0),
-    keep_valid: bool = False,
+    keep_valid: bool = True,
     callback: Callback | None = None,
+    time_limit: float | None = None,
     progress: bool | None = None,
     backend: str | None = None,
 ) -> Result:
@@ -69,10 +69,12 @@ def solve_euler_lagrange(
             where it diverges.
         spacing: of the logical coordinates; (1/(ni-1), 1/(nj-1)) for the unit square. It matters only where a
             functional is not homogeneous in each direction.
-        keep_valid: return the best valid grid that the iteration has seen, and not a folded solution. By default
-            the solution of the equations is returned, and the message says so where it is folded (Laplace's
-            equations, for one, fold on many domains).
-        callback: called with every `Step`; its `gradient_norm` is the residual's norm.
+        keep_valid: from a valid start, return a valid grid: Newton's method takes no step that folds a cell, and where
+            relaxation ends in a folded solution, the best valid grid on the way is returned. The message says so. With
+            False the solution of the equations is returned, folded or not (Laplace's equations, for one, fold on many
+            domains).
+        callback: called with every `Step`, whose `gradient_norm` is the residual's norm; else as in `optimize`.
+        time_limit: as in `optimize`.
         progress: show progress on standard error; by default where that is a terminal.
         backend: `c` or `numpy`.
 
@@ -81,57 +83,57 @@ def solve_euler_lagrange(
     """
     if method not in ("newton", "relaxation"):
         raise GridgenError(f"unknown method {method!r}: solve_euler_lagrange takes 'newton' or 'relaxation'")
-    check_controls(tolerance, max_iterations, callback)
+    check_controls(tolerance, max_iterations, callback, time_limit)
     _check_numbers(spacing, relaxation)
     definition = functional(name)
 
     def make(on: Grid, inside: npt.ArrayLike | None = None) -> Problem:
         return make_problem(on, definition, weight=weight, fixed=inside, parameters=parameters, backend=backend)
 
-    problem, coordinates = make(grid, fixed), grid.planes.copy()
     limit = _LIMITS[method] if max_iterations is None else max_iterations
-    equations, said, interrupted = Equations(problem, spacing), "", False
-    with Progress(f"Euler–Lagrange equations of {definition.name}", callback, progress) as report:
-        try:
-            if method == "newton" and problem.kernels.barrier and limit:
-                said = _FOLDED if not corner_jacobians(*coordinates).min() > 0 else ""
-                if worth_nesting(problem, coordinates):
-                    # The minimum of the energy is near the solution of its equations, and coarse grids find it fast.
-                    start = nested_start(make, definition, coordinates, parameters, report)
-                    coordinates = coordinates if start is None else start
-                if not _make_valid(problem, definition, coordinates, parameters, report):
-                    return result_of(problem, coordinates, report, False, could_not_unfold(coordinates, definition))
+    title = f"Euler–Lagrange equations of {definition.name}"
+    with Progress(title, callback, progress, time_limit) as report:
+        run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
+        equations = Equations(run.problem, spacing)
+
+        def solve() -> tuple[bool, str]:
+            if method == "newton" and run.problem.kernels.barrier and limit and not _bring_near(run):
+                return False, run.could_not_unfold()
             report.begin("solve", grid.shape)
             if method == "relaxation":
-                converged, message = solve_by_relaxation(equations, coordinates, report, tolerance, limit, relaxation)
-            else:
-                converged, message = solve_by_newton(equations, coordinates, report, tolerance, limit, keep_valid)
-        except KeyboardInterrupt:
-            converged, message, interrupted = False, INTERRUPTED, True
-    return _finish(equations, coordinates, report, converged, said + message, keep_valid, interrupted)
+                return solve_by_relaxation(equations, run.coordinates, report, tolerance, limit, relaxation)
+            return solve_by_newton(equations, run.coordinates, report, tolerance, limit, keep_valid)
+
+        def result(converged: bool, message: str, interrupted: bool) -> Result:
+            converged, message = _choose(run, equations, converged, message, keep_valid)
+            return run.result(converged, message, interrupted)
+
+        return run_to_result(solve, result, report)
 
 
-def _make_valid(
-    problem: Problem,
-    definition: Functional,
-    coordinates: Array,
-    parameters: Mapping[str, float] | None,
-    report: Progress,
-) -> bool:
-    """Untangle a folded grid, in place, and bring it near the minimum of the energy; return whether it is valid.
+def _bring_near(run: Run) -> bool:
+    """Bring the grid near the minimum of the energy; return whether it is valid.
 
-    Just unfolded is far from a solution: the energy leads into its neighborhood, the residual's norm may not.
+    The minimum is near the solution of the equations, and coarse grids find it fast. A grid that is just unfolded is
+    far from a solution: the energy leads into its neighborhood, the residual's norm may not.
     """
-    problem.refresh(coordinates)
-    if corner_jacobians(*coordinates).min() > 0:
-        return True
-    report.begin("untangle", coordinates[0].shape)
-    if not unfold(problem, definition, coordinates, parameters, report):
+    folded = run.to_untangle
+    run.start_from_coarse_grids()
+    unfolding = run.to_untangle
+    if not run.make_valid():
         return False
-    problem.refresh(coordinates)
-    report.begin("minimize", coordinates[0].shape)
-    minimize(problem, coordinates, report, tolerance=_NEAR, max_iterations=_STEPS_NEAR, keep_valid=True)
-    problem.refresh(coordinates)
+    if unfolding:
+        run.report.begin("minimize", run.problem.fixed.shape)
+        minimize(
+            run.problem,
+            run.coordinates,
+            run.report,
+            tolerance=_NEAR,
+            max_iterations=_STEPS_NEAR,
+            keep_valid=True,
+        )
+    run.problem.refresh(run.coordinates)
+    run.said = _FOLDED if folded else ""
     return True
 
 
@@ -145,27 +147,19 @@ def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> No
         raise GridgenError(f"expected a relaxation between 0 and 2; came {relaxation!r}")
 
 
-def _finish(
-    equations: Equations,
-    coordinates: Array,
-    report: Progress,
-    converged: bool,
-    message: str,
-    keep_valid: bool,
-    interrupted: bool,
-) -> Result:
+def _choose(run: Run, equations: Equations, converged: bool, message: str, keep_valid: bool) -> tuple[bool, str]:
     """Choose the grid to return, and say what the type of the equations means for it."""
-    folded = not float(corner_jacobians(coordinates[0], coordinates[1]).min()) > 0
+    folded = not float(corner_jacobians(*run.coordinates).min()) > 0
     if converged and folded and keep_valid and True in equations.best:
-        coordinates, converged = equations.best[True][1], False
+        run.coordinates, converged = equations.best[True][1], False
         message += (
             " That solution is folded; this is the best valid grid on the way (keep_valid=False returns the solution)."
         )
     elif not converged and equations.best:
-        coordinates = equations.best[True in equations.best][1]
+        run.coordinates = equations.best[True in equations.best][1]
         message += " This is the best valid grid on the way." if folded and True in equations.best else ""
     kind = equations.problem.kernels.equation_type
     if kind != "elliptic":
         message += f" The equations are not elliptic ({kind}), so a solution need not exist or be unique."
-    equations.problem.refresh(coordinates)
-    return result_of(equations.problem, coordinates, report, converged, message, interrupted=interrupted)
+    equations.problem.refresh(run.coordinates)
+    return converged, message

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..runtime import Array
 from .linear import LinearSolver, hessian_solver
-from .problem import Problem, converged_message, diverges, inner, jacobian_floor, norm_of
+from .problem import Problem, converged_message, diverges, inner, jacobian_floor, norm_of, step_control_message
 from .progress import Progress
 
 #: Armijo's constant, and how often a step is halved.
@@ -29,6 +29,7 @@ def minimize(
     tolerance: float,
     max_iterations: int,
     keep_valid: bool,
+    until_valid: bool = False,
     semidefinite: bool = False,
     reference: float | None = None,
     solver: LinearSolver | None = None,
@@ -46,6 +47,7 @@ def minimize(
         tolerance: factor by which the gradient's norm must fall.
         max_iterations: Newton steps.
         keep_valid: no step takes the smallest Jacobian of a valid grid to zero; barrier functionals never do.
+        until_valid: stop at the first valid grid.
         semidefinite: use the semidefinite Hessian only.
         reference: the norm that the gradient must fall from; by default that at the start. Where that is larger
             than `Problem.gradient_scale`, the latter counts.
@@ -61,10 +63,12 @@ def minimize(
     progress.step(0, energy, norm, smallest)
     floor, round_off = jacobian_floor(smallest), problem.round_off(coordinates, gradient)
     state = _Newton(problem, solver or hessian_solver(problem.fixed, problem.kernels.backend), semidefinite)
-    held_back, extent = 0, float(np.ptp(coordinates))
+    cut, held_back, extent = 0, 0, float(np.ptp(coordinates))
     for iteration in range(max_iterations + 1):
+        if until_valid and smallest > 0:
+            return True, "the grid is valid."
         if norm <= max(tolerance * first, round_off):
-            return True, converged_message("gradient", norm, first, iteration)
+            return True, converged_message("gradient", norm, first, iteration) + step_control_message(cut)
         if iteration == max_iterations:
             break
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.
@@ -82,11 +86,13 @@ def minimize(
         norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
         state.learn(search.length, norm / before[1], max(tolerance * first, round_off) / (norm or 1.0))
+        cut += search.folds and not problem.kernels.barrier  # A barrier's own line search is nothing to tell.
         held_back = held_back + 1 if search.folds and before[0] - energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
             why = "the minimum lies beyond the valid grids: every step downhill would fold a cell"
             return False, _stuck(why, norm, first) + " This is the best valid grid; keep_valid=False lets cells fold."
-    return False, _stuck(f"{max_iterations} Newton steps were not enough; allow more with max_iterations", norm, first)
+    why = f"{max_iterations} Newton steps were not enough; allow more with max_iterations"
+    return False, _stuck(why, norm, first) + step_control_message(cut)
 
 
 def _stuck(why: str, norm: float, first: float) -> str:

@@ -1,31 +1,26 @@
-"""Minimise a discrete functional: the public `optimize`, `untangle`, `energy`, `gradient` and `hessian`."""
+"""Minimise a discrete functional: the public `optimize` and `untangle`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
-import numpy as np
 import numpy.typing as npt
 
 from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid
-from ..runtime import Array
 from .local import sweep_until_converged
-from .nested import nested_start, worth_nesting
 from .newton import minimize
-from .problem import INTERRUPTED, Problem, check_controls, make_problem, norm_of, result_of
+from .problem import Problem, check_controls, make_problem, norm_of
 from .progress import Callback, Progress
 from .result import Result
-from .sparse import assemble_hessian
-from .untangle import could_not_unfold, unfold
+from .run import Run
+from .stopping import run_to_result
 from .weight import Source, Weight
 
 #: Iterations that a method is given where the caller does not say.
-_NEWTON_STEPS, _SWEEPS = 200, 5000
-_UNTANGLED = "The grid was folded at the start and was untangled first: "
+_NEWTON_STEPS, _SWEEPS = 1000, 5000
 
 
 def optimize(
@@ -41,12 +36,14 @@ def optimize(
     keep_valid: bool = True,
     interior_only: bool = False,
     callback: Callback | None = None,
+    time_limit: float | None = None,
     progress: bool | None = None,
     backend: str | None = None,
 ) -> Result:
     """Minimise a functional over the positions of the free nodes; the boundary stays.
 
-    A folded start of a barrier functional is untangled first.
+    A folded start of a barrier functional is untangled first, as by `untangle`. A valid start gives a valid result,
+    unless a functional without a barrier is allowed to fold cells by `keep_valid=False`.
 
     Args:
         grid: the start, for example from `transfinite`.
@@ -62,7 +59,9 @@ def optimize(
         keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals
             never do.
         interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners.
-        callback: called with every `Step`.
+        callback: called with every `Step`. StopIteration ends the run, which returns the best grid; any other error
+            is raised as it is, with the best grid's result as its attribute `result`.
+        time_limit: seconds after which the next step ends the run, which returns the best grid.
         progress: show progress on standard error; by default where that is a terminal.
         backend: `c` or `numpy`.
 
@@ -74,7 +73,7 @@ def optimize(
     """
     if method not in ("newton", "local"):
         raise GridgenError(f"unknown method {method!r}: optimize takes 'newton' or 'local'")
-    check_controls(tolerance, max_iterations, callback)
+    check_controls(tolerance, max_iterations, callback, time_limit)
     definition = functional(name)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
@@ -88,82 +87,36 @@ def optimize(
             backend=backend,
         )
 
-    run = _Run(make(grid, fixed), definition, parameters, grid.planes.copy())
-    interrupted = False
-    with Progress(f"{definition.name}, {method}", callback, progress) as report:
-        try:
-            if method == "newton" and max_iterations != 0 and worth_nesting(run.problem, run.coordinates):
-                run.take(nested_start(make, definition, run.coordinates, parameters, report))
-            if not run.make_valid(report):
-                message = could_not_unfold(run.coordinates, definition)
-                return result_of(run.problem, run.coordinates, report, False, message)
+    with Progress(f"{definition.name}, {method}", callback, progress, time_limit) as report:
+        run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
+
+        def solve() -> tuple[bool, str]:
+            if (method == "newton" and max_iterations != 0) or run.to_untangle:
+                run.start_from_coarse_grids()
+            if not run.make_valid():
+                return False, run.could_not_unfold()
             report.begin("minimize", grid.shape)
-            if method == "newton":
-                converged, message = minimize(
+            if method == "local":
+                limit = _SWEEPS if max_iterations is None else max_iterations
+                return sweep_until_converged(
                     run.problem,
                     run.coordinates,
                     report,
-                    max_iterations=_NEWTON_STEPS if max_iterations is None else max_iterations,
-                    tolerance=tolerance,
-                    keep_valid=keep_valid,
-                    reference=run.reference,
-                )
-            else:
-                converged, message = sweep_until_converged(
-                    run.problem,
-                    run.coordinates,
-                    report,
-                    max_iterations=_SWEEPS if max_iterations is None else max_iterations,
+                    max_iterations=limit,
                     tolerance=tolerance,
                     keep_valid=keep_valid,
                 )
-        except KeyboardInterrupt:
-            converged, interrupted, message = False, True, INTERRUPTED
-    return result_of(run.problem, run.coordinates, report, converged, run.said + message, interrupted=interrupted)
+            return minimize(
+                run.problem,
+                run.coordinates,
+                report,
+                max_iterations=_NEWTON_STEPS if max_iterations is None else max_iterations,
+                tolerance=tolerance,
+                keep_valid=keep_valid,
+                reference=run.reference,
+            )
 
-
-@dataclass(slots=True)
-class _Run:
-    """The state of one `optimize`: the grid as it is now, and what must be said of how it came about.
-
-    Attributes:
-        reference: norm of the gradient at the start that was given, from which it must fall; None where that
-            start was on the wrong side of the barrier.
-    """
-
-    problem: Problem
-    functional: Functional
-    parameters: Mapping[str, float] | None
-    coordinates: Array
-    reference: float | None = None
-    said: str = ""
-
-    def take(self, start: Array | None) -> None:
-        """Take a better start, if it is one: valid where the given one is not, or else of lower energy."""
-        energy, smallest, gradient = self.problem.energy_gradient(self.coordinates)
-        if smallest > 0 or not self.problem.kernels.barrier:
-            self.reference = norm_of(gradient)
-        if start is None:
-            return
-        self.problem.refresh(start)
-        new_energy, new_smallest = self.problem.energy(start)
-        if (new_smallest > 0) > (smallest > 0) or (new_energy < energy and (new_smallest > 0) == (smallest > 0)):
-            if self.problem.kernels.barrier and not smallest > 0:
-                self.said = _UNTANGLED
-            self.coordinates = start
-        else:
-            self.problem.refresh(self.coordinates)
-
-    def make_valid(self, report: Progress) -> bool:
-        """Untangle, where the functional has a barrier and the grid is folded; return whether that was possible."""
-        if not self.problem.kernels.barrier or self.problem.energy(self.coordinates)[1] > 0:
-            return True
-        self.said = _UNTANGLED
-        report.begin("untangle", self.problem.fixed.shape)
-        if not unfold(self.problem, self.functional, self.coordinates, self.parameters, report):
-            return False
-        self.problem.refresh(self.coordinates)
-        return True
+        return run_to_result(solve, run.result, report)
 
 
 def untangle(
@@ -173,10 +126,24 @@ def untangle(
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     callback: Callback | None = None,
+    time_limit: float | None = None,
     progress: bool | None = None,
     backend: str | None = None,
 ) -> Result:
     """Make a folded grid valid, with the regularised barrier of a functional; a valid grid is returned as it is.
+
+    Coarse grids of the same boundary are untangled first. It stops at a valid grid, or when progress has ended: then
+    the result is the least folded grid that was found, its message names the cells, and `converged` is False.
+
+    Args:
+        grid: the start.
+        name: a functional with a barrier at J = 0; its minimum is what the grid is near to.
+        fixed: (ni, nj) mask of inner nodes that do not move.
+        parameters: of the functional.
+        callback: as in `optimize`.
+        time_limit: as in `optimize`.
+        progress: show progress on standard error; by default where that is a terminal.
+        backend: `c` or `numpy`.
 
     Returns:
         The result; `converged` says whether every corner's Jacobian is positive.
@@ -185,72 +152,26 @@ def untangle(
         GridgenError: if the functional has no barrier, and for other input that cannot be used.
     """
     definition = functional(name)
-    check_controls(0.5, None, callback)
-    problem = make_problem(grid, definition, fixed=fixed, parameters=parameters, backend=backend)
+    check_controls(0.5, None, callback, time_limit)
+
+    def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
+        return make_problem(on, definition, fixed=fixed, parameters=parameters, backend=backend)
+
+    problem = make(grid, fixed)
     if not problem.kernels.barrier:
         raise GridgenError(f"untangling needs a functional with a barrier at J = 0, such as winslow; {name!r} has none")
-    coordinates, interrupted = grid.planes.copy(), False
-    with Progress(f"{definition.name}, untangle", callback, progress) as report:
-        report.begin("untangle", grid.shape)
-        try:
-            valid = unfold(problem, definition, coordinates, parameters, report)
-        except KeyboardInterrupt:
-            valid, interrupted = bool(problem.energy(coordinates)[1] > 0), True
-    message = "every corner's Jacobian is positive." if valid else could_not_unfold(coordinates, definition)
-    message = INTERRUPTED if interrupted else message
-    return result_of(problem, coordinates, report, valid, message, interrupted=interrupted)
+    with Progress(f"{definition.name}, untangle", callback, progress, time_limit) as report:
+        run = Run(problem, make, definition, parameters, grid.planes.copy(), report)
 
+        def solve() -> tuple[bool, str]:
+            if run.to_untangle:
+                run.start_from_coarse_grids()
+            report.begin("untangle", grid.shape)
+            valid = run.make_valid()
+            if not report.history:  # Coarse grids, or the start, left nothing to do: the history is this grid.
+                energy, smallest, gradient = run.problem.energy_gradient(run.coordinates)
+                report.step(0, energy, norm_of(gradient), smallest)
+            run.said = ""
+            return valid, "every corner's Jacobian is positive." if valid else run.could_not_unfold()
 
-def energy(
-    grid: Grid,
-    name: str | Functional,
-    *,
-    weight: Weight | Source | None = None,
-    parameters: Mapping[str, float] | None = None,
-    interior_only: bool = False,
-    backend: str | None = None,
-) -> float:
-    """Return the discrete energy, summed over all corners of all cells (or those at inner nodes only)."""
-    problem = make_problem(
-        grid, name, weight=weight, parameters=parameters, interior_only=interior_only, backend=backend
-    )
-    return problem.energy(grid.planes)[0]
-
-
-def gradient(
-    grid: Grid,
-    name: str | Functional,
-    *,
-    weight: Weight | Source | None = None,
-    fixed: npt.ArrayLike | None = None,
-    parameters: Mapping[str, float] | None = None,
-    interior_only: bool = False,
-    backend: str | None = None,
-) -> Array:
-    """Return the gradient of the discrete energy in the nodes' positions, (ni, nj, 2), zero at fixed nodes."""
-    problem = make_problem(
-        grid, name, weight=weight, fixed=fixed, parameters=parameters, interior_only=interior_only, backend=backend
-    )
-    return np.stack(tuple(problem.energy_gradient(grid.planes)[2]), axis=-1)
-
-
-def hessian(
-    grid: Grid,
-    name: str | Functional,
-    *,
-    weight: Weight | Source | None = None,
-    fixed: npt.ArrayLike | None = None,
-    parameters: Mapping[str, float] | None = None,
-    semidefinite: bool = False,
-    interior_only: bool = False,
-    backend: str | None = None,
-) -> Any:  # noqa: ANN401 - scipy.sparse has no types
-    """Return the Hessian of the discrete energy over the free nodes, as a SciPy sparse matrix (CSC).
-
-    Component c of the k-th free node (in the order of the array, eta running fastest) is unknown 2 k + c. With
-    `semidefinite`, the positive semidefinite part that the derivation splits off.
-    """
-    problem = make_problem(
-        grid, name, weight=weight, fixed=fixed, parameters=parameters, interior_only=interior_only, backend=backend
-    )
-    return assemble_hessian(problem.hessian(grid.planes, semidefinite=semidefinite), problem.fixed)
+        return run_to_result(solve, run.result, report)

@@ -17,8 +17,6 @@ from .progress import Callback, Progress
 from .result import Result
 from .weight import Source, Weight, as_weight
 
-#: What a solver says that was stopped by Ctrl-C.
-INTERRUPTED = "it was interrupted; this is the best grid that it had."
 #: Coordinates beyond this size overflow in densities of the fourth degree, and in their squares.
 _LARGEST = 1e30
 
@@ -164,6 +162,11 @@ def converged_message(what: str, norm: float, first: float, iteration: int) -> s
     return f"the {what}'s norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
 
 
+def step_control_message(cut: int) -> str:
+    """Return what to say of steps that were cut short so that no cell folds; nothing where there were none."""
+    return f" {cut} step{'s were' if cut > 1 else ' was'} cut short so that no cell folds." if cut else ""
+
+
 def diverges(step: Array, extent: float) -> bool:
     """Return whether a step leaves the domain, whose size is `extent`, for good."""
     return not max(float(step.max()), -float(step.min())) < 1e3 * extent
@@ -228,8 +231,10 @@ def fixed_mask(grid: Grid, fixed: npt.ArrayLike | None) -> Mask:
     return mask
 
 
-def check_controls(tolerance: float, max_iterations: int | None, callback: Callback | None) -> None:
-    """Refuse a tolerance, a number of iterations or a callback that means nothing."""
+def check_controls(
+    tolerance: float, max_iterations: int | None, callback: Callback | None, time_limit: float | None
+) -> None:
+    """Refuse a tolerance, a number of iterations, a callback or a time limit that means nothing."""
     if not isinstance(tolerance, (int, float, np.number)) or not 0 < tolerance < 1:
         raise GridgenError(
             f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {tolerance!r}"
@@ -240,6 +245,8 @@ def check_controls(tolerance: float, max_iterations: int | None, callback: Callb
         raise GridgenError(f"max_iterations must not be negative; came {max_iterations}")
     if callback is not None and not callable(callback):
         raise GridgenError(f"callback must be a function of one Step; came {callback!r}")
+    if time_limit is not None and not (isinstance(time_limit, (int, float, np.number)) and time_limit > 0):
+        raise GridgenError(f"time_limit must be a positive number of seconds; came {time_limit!r}")
 
 
 def result_of(

@@ -16,21 +16,33 @@ Callback = Callable[[Step], None]
 PATIENCE = 1.0
 
 
+class StopRequest(Exception):  # noqa: N818 - nothing went wrong
+    """Ends a solver that the callback or the time limit stops; its text says which."""
+
+
 class Progress:
     """Collects the history; shows a live line on a terminal once a run takes longer than `PATIENCE`."""
 
-    def __init__(self, title: str, callback: Callback | None = None, show: bool | None = None) -> None:
+    def __init__(
+        self,
+        title: str,
+        callback: Callback | None = None,
+        show: bool | None = None,
+        time_limit: float | None = None,
+    ) -> None:
         """Begin.
 
         Args:
             title: what is being done.
-            callback: called with every `Step`.
+            callback: called with every `Step`; may raise StopIteration to end the solver.
             show: show progress on standard error; by default, if that is a terminal.
+            time_limit: seconds after which the next step ends the solver.
         """
         self.history: list[Step] = []
         self._title = title
         self._stage, self._shape = "start", (0, 0)
-        self._callback = callback
+        self.callback_error: Exception | None = None
+        self._callback, self._limit = callback, time_limit
         self._show = sys.stderr.isatty() if show is None else show
         self._begin = time.monotonic()
         self._status: Any = None
@@ -52,15 +64,32 @@ class Progress:
         self.history.clear()
 
     def step(self, iteration: int, energy: float, gradient_norm: float, min_jacobian: float) -> None:
-        """Record one step and tell whoever wants to know."""
+        """Record one step and tell whoever wants to know.
+
+        Raises:
+            StopRequest: if the callback asks for it, or the time is over.
+        """
         # Untangling runs many minimisations: their steps are counted through.
         number = len(self.history) if self._stage == "untangle" else iteration
         step = Step(number, energy, gradient_norm, min_jacobian, self._stage, self._shape)
         self.history.append(step)
-        if self._callback is not None:
-            self._callback(step)
-        if self._show and time.monotonic() - self._begin > PATIENCE:
+        self._call(step)
+        seconds = time.monotonic() - self._begin
+        if self._show and seconds > PATIENCE:
             self._display(step)
+        if self._limit is not None and seconds > self._limit:
+            raise StopRequest(f"the time limit of {self._limit:g} seconds is over")
+
+    def _call(self, step: Step) -> None:
+        if self._callback is None:
+            return
+        try:
+            self._callback(step)
+        except StopIteration:
+            raise StopRequest("the callback stopped it") from None
+        except Exception as error:
+            self.callback_error = error
+            raise
 
     def _display(self, step: Step) -> None:
         text = (

@@ -39,7 +39,7 @@ class Result:
         iterations: sweeps or Newton steps.
         energy: discrete energy of `grid`, over all corners of all cells (or the paper's set, where that was asked for).
         history: one entry per iteration of the last stage.
-        interrupted: whether Ctrl-C stopped it.
+        interrupted: whether Ctrl-C, the time limit or the callback stopped it.
     """
 
     grid: Grid

@@ -6,8 +6,9 @@ import pytest
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
 from gridgen_sym.solvers.multigrid import GeneralMultigrid, Multigrid
-from gridgen_sym.solvers.nested import coarse_shapes, resample
+from gridgen_sym.solvers.nested import coarse_shapes
 from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.prolongation import resample
 from gridgen_sym.solvers.sparse import assemble_hessian, assemble_jacobian, to_vector
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="multigrid is compiled")

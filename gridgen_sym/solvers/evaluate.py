@@ -1,0 +1,71 @@
+"""The discrete functional of a grid as numbers: the public `energy`, `gradient` and `hessian`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..functionals.definition import Functional
+from ..grids import Grid
+from ..runtime import Array
+from .problem import make_problem
+from .sparse import assemble_hessian
+from .weight import Source, Weight
+
+
+def energy(
+    grid: Grid,
+    name: str | Functional,
+    *,
+    weight: Weight | Source | None = None,
+    parameters: Mapping[str, float] | None = None,
+    interior_only: bool = False,
+    backend: str | None = None,
+) -> float:
+    """Return the discrete energy, summed over all corners of all cells (or those at inner nodes only)."""
+    problem = make_problem(
+        grid, name, weight=weight, parameters=parameters, interior_only=interior_only, backend=backend
+    )
+    return problem.energy(grid.planes)[0]
+
+
+def gradient(
+    grid: Grid,
+    name: str | Functional,
+    *,
+    weight: Weight | Source | None = None,
+    fixed: npt.ArrayLike | None = None,
+    parameters: Mapping[str, float] | None = None,
+    interior_only: bool = False,
+    backend: str | None = None,
+) -> Array:
+    """Return the gradient of the discrete energy in the nodes' positions, (ni, nj, 2), zero at fixed nodes."""
+    problem = make_problem(
+        grid, name, weight=weight, fixed=fixed, parameters=parameters, interior_only=interior_only, backend=backend
+    )
+    return np.stack(tuple(problem.energy_gradient(grid.planes)[2]), axis=-1)
+
+
+def hessian(
+    grid: Grid,
+    name: str | Functional,
+    *,
+    weight: Weight | Source | None = None,
+    fixed: npt.ArrayLike | None = None,
+    parameters: Mapping[str, float] | None = None,
+    semidefinite: bool = False,
+    interior_only: bool = False,
+    backend: str | None = None,
+) -> Any:  # noqa: ANN401 - scipy.sparse has no types
+    """Return the Hessian of the discrete energy over the free nodes, as a SciPy sparse matrix (CSC).
+
+    Component c of the k-th free node (in the order of the array, eta running fastest) is unknown 2 k + c. With
+    `semidefinite`, the positive semidefinite part that the derivation splits off.
+    """
+    problem = make_problem(
+        grid, name, weight=weight, fixed=fixed, parameters=parameters, interior_only=interior_only, backend=backend
+    )
+    return assemble_hessian(problem.hessian(grid.planes, semidefinite=semidefinite), problem.fixed)

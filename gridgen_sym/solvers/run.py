@@ -1,0 +1,110 @@
+"""The state of one solver's run: the grid as it is now, and what must be said of how it came about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ..functionals.definition import Functional
+from ..grids import Grid, quality
+from ..runtime import Array
+from .nested import Nested, worth_nesting
+from .problem import Problem, norm_of, result_of
+from .progress import Progress
+from .result import Result
+from .untangle import Folds, unfold
+
+
+@dataclass(slots=True)
+class Run:
+    """One run of a solver that minimises; every method leaves `coordinates` as the best grid so far.
+
+    Attributes:
+        problem: on the grid itself.
+        make: binds the same functional and weight to another grid.
+        functional: what is minimised.
+        parameters: of the functional.
+        coordinates: (2, ni, nj).
+        report: is told of every step.
+        reference: norm of the gradient at the start that was given, from which it must fall; None where that
+            start was on the wrong side of the barrier.
+        said: what to say before the solver's own message.
+    """
+
+    problem: Problem
+    make: Callable[[Grid], Problem]
+    functional: Functional
+    parameters: Mapping[str, float] | None
+    coordinates: Array
+    report: Progress
+    reference: float | None = None
+    said: str = ""
+
+    @property
+    def to_untangle(self) -> bool:
+        """Whether the functional has a barrier, and the grid is on its wrong side."""
+        return self.problem.kernels.barrier and not self.problem.energy(self.coordinates)[1] > 0
+
+    def start_from_coarse_grids(self) -> None:
+        """Take the start that coarser grids of the same boundary give, if they know all that counts, and it is better.
+
+        Where they are interrupted, the finest one that is done gives the start.
+        """
+        if not worth_nesting(self.problem, self.coordinates):
+            return
+        nested = Nested(self.make, self.functional, self.parameters, self.report)
+        try:
+            nested.solve(self.coordinates)
+        finally:
+            self._take(nested.finer(self.coordinates))
+
+    def _take(self, start: Array) -> None:
+        """Take another start, if it is better: less folded, or else of lower energy."""
+        energy, smallest, gradient = self.problem.energy_gradient(self.coordinates)
+        barrier = self.problem.kernels.barrier
+        if smallest > 0 or not barrier:
+            self.reference = norm_of(gradient)
+        self.problem.refresh(start)
+        new_energy, new_smallest = self.problem.energy(start)
+        if new_smallest > 0 and smallest > 0:
+            better = new_energy < energy
+        elif barrier or max(new_smallest, smallest) > 0:
+            # On the wrong side of a barrier the energy means nothing.
+            better = Folds.of(start) < Folds.of(self.coordinates)
+        else:
+            better = new_energy < energy
+        if better:
+            self.said = UNTANGLED if barrier and not smallest > 0 else ""
+            self.coordinates = start
+        else:
+            self.problem.refresh(self.coordinates)
+
+    def make_valid(self) -> bool:
+        """Untangle, where the functional has a barrier and the grid is folded; return whether that was possible."""
+        if not self.to_untangle:
+            return True
+        self.said = UNTANGLED
+        self.report.begin("untangle", self.problem.fixed.shape)
+        valid = unfold(self.problem, self.functional, self.coordinates, self.parameters, self.report)
+        self.problem.refresh(self.coordinates)
+        return valid
+
+    def could_not_unfold(self) -> str:
+        """Return what to tell the user about a grid that stayed folded."""
+        self.said = ""
+        folds = quality(Grid.from_planes(*self.coordinates)).describe_folds()
+        return (
+            f"untangling with {self.functional.name} made no more progress; this is the least folded grid that it "
+            f"found. {folds} If the boundary turns the wrong way there, no valid grid exists: place its nodes or "
+            "corners differently."
+        )
+
+    def result(self, converged: bool, message: str, interrupted: bool) -> Result:
+        """Return what the run has found."""
+        return result_of(
+            self.problem, self.coordinates, self.report, converged, self.said + message, interrupted=interrupted
+        )
+
+
+#: What is said of a result whose start was folded.
+UNTANGLED = "The grid was folded at the start and was untangled first: "
