@@ -15,7 +15,7 @@ from ..functionals.definition import functional as find_functional
 from ..grids import Grid, quality
 from ..runtime import Array
 from ..solvers import untangle
-from ..solvers.problem import INTERRUPTED, fixed_mask
+from ..solvers.problem import fixed_mask
 from ..solvers.sampled import SampledField, grid_field
 from .equidistribution import cell_areas, cell_means, equidistribution, variation
 from .error_estimate import hierarchical_error
@@ -124,7 +124,7 @@ class _Run:
         except KeyboardInterrupt:
             if not self.history:
                 raise
-            return False, True, INTERRUPTED
+            return False, True, "it was interrupted; this is the last grid whose solution is known."
         way = self.history[-1].movement
         return (
             False,

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ..grids import Grid, quality
 from ..runtime import Array, Mask
-from ..solvers.nested import from_boundary
+from ..solvers.prolongation import from_boundary
 
 Boundary = Literal["fixed", "straight", "all"]
 
