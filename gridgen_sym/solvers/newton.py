@@ -17,8 +17,8 @@ _SUFFICIENT, _HALVINGS = 1e-4, 40
 _PATIENCE, _LITTLE = 5, 1e-6
 #: Shift of the semidefinite Hessian, over its mean diagonal, beyond which steps are too short to matter.
 _LARGEST_SHIFT, _SMALLEST_SHIFT = 1e3, 1e-8
-#: Relative residuals of the linear solves.
-_LOOSEST, _TIGHTEST = 0.1, 1e-3
+#: Relative residuals of the linear solves, and that of the last one.
+_LOOSEST, _TIGHTEST, _LAST = 0.1, 1e-3, 1e-5
 
 
 def minimize(
@@ -143,11 +143,13 @@ class _Newton:
     def learn(self, length: float, reduction: float, wanted: float) -> None:
         """Draw the lesson of a step of some length that changed the gradient's norm by a factor.
 
-        There is no use in solving the last system better than by the factor that is still `wanted`.
+        Newton's method squares that factor. Where that will do for the factor that is still `wanted`, the next system
+        is the last, and is solved just as well as that: a little more work on it saves a step.
         """
         self.cautious = length < (0.2 if self.exact else 0.5)
         self.shift = 0.0 if length == 1.0 and self.exact else (self.shift / 10 if length > 0.5 else self.shift)
-        self.forcing = min(_LOOSEST, max(_TIGHTEST, 0.5 * reduction, 0.5 * wanted))
+        last = reduction**2 <= wanted
+        self.forcing = min(_LOOSEST, max(_LAST, 0.5 * wanted) if last else max(_TIGHTEST, 0.5 * reduction))
 
 
 @dataclass(slots=True)
