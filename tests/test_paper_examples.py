@@ -7,7 +7,7 @@ import pytest
 
 from gridgen_sym import GridgenError, gradient, quality
 from gridgen_sym.paper_examples import Case, Example, run
-from gridgen_sym.paper_examples.adaptive import PRODUCT, ROOT_PRODUCT, equidistribution
+from gridgen_sym.paper_examples.adaptive import PRODUCT, ROOT_PRODUCT, spreads
 from gridgen_sym.paper_examples.claim import better, decide
 
 pytest.importorskip("matplotlib")
@@ -233,13 +233,13 @@ def test_better_is_decided_by_the_measures(examples):
 
 def test_spreads_of_a_uniform_grid_are_those_of_the_weight(examples):
     start = examples["4.1"].case("first weight, start").grid
-    spreads = equidistribution(start, "4 + 0*x")
-    assert spreads[PRODUCT] == pytest.approx(0, abs=1e-12)
-    assert spreads[ROOT_PRODUCT] == pytest.approx(0, abs=1e-12)
+    even = spreads(start, "4 + 0*x")
+    assert even[PRODUCT] == pytest.approx(0, abs=1e-12)
+    assert even[ROOT_PRODUCT] == pytest.approx(0, abs=1e-12)
     centers = (np.arange(29) + 0.5) / 29
     s = 1 + np.broadcast_to(centers[:, None], (29, 29))
-    assert equidistribution(start, "1 + x")[PRODUCT] == pytest.approx(s.std() / s.mean())
-    assert equidistribution(start, "1 + x")[ROOT_PRODUCT] == pytest.approx(np.sqrt(s).std() / np.sqrt(s).mean())
+    assert spreads(start, "1 + x")[PRODUCT] == pytest.approx(s.std() / s.mean())
+    assert spreads(start, "1 + x")[ROOT_PRODUCT] == pytest.approx(np.sqrt(s).std() / np.sqrt(s).mean())
 
 
 def test_folder_that_cannot_be_made_is_an_error_before_any_work(tmp_path: Path):

@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..adaptation.equidistribution import cell_means, equidistribution
 from ..errors import GridgenError
 from ..grids import Grid, domain
 from ..solvers import Weight, energy
@@ -31,26 +32,18 @@ STOP, STOP_NEGATIVE, STOP_FREE, TOO_MANY = 6, 2, 3, 100
 PRODUCT, ROOT_PRODUCT, SHARE = "spread of s·J", "spread of √s·J", "cells where s > 0"
 
 
-def equidistribution(grid: Grid, formula: str) -> dict[str, float]:
-    """Return the spread (standard deviation over mean) of s·J and √s·J over the cells, and where the cells are.
+def spreads(grid: Grid, formula: str) -> dict[str, float]:
+    """Return the spread of s·J and √s·J over the cells (standard deviation over mean), or where the cells are.
 
-    J is the cell's area, s the weight at the mean of its nodes. The spreads mean nothing where s is negative and
-    are left out then; in their place stands the share of the cells whose weight is positive.
+    The spreads mean nothing where s is negative and are left out then; in their place stands the share of the cells
+    whose weight is positive.
     """
-    x, y = grid.planes
-    diagonals = [(p[1:, 1:] - p[:-1, :-1], p[:-1, 1:] - p[1:, :-1]) for p in (x, y)]
-    (x_up, x_down), (y_up, y_down) = diagonals
-    area = (x_up * y_down - y_up * x_down) / 2
-    centers = (
-        grid.planes[:, 1:, 1:] + grid.planes[:, :-1, 1:] + grid.planes[:, 1:, :-1] + grid.planes[:, :-1, :-1]
-    ) / 4
+    centers = np.stack([cell_means(plane) for plane in grid.planes])
     s = Weight(formula, allow_negative=True).planes(centers, ("s",))[0]
     if s.min() < 0:
         return {SHARE: float((s > 0).mean())}
-    return {
-        name: float(product.std() / product.mean())
-        for name, product in ((PRODUCT, s * area), (ROOT_PRODUCT, np.sqrt(s) * area))
-    }
+    found = equidistribution(grid, formula)
+    return {PRODUCT: found.weight.variation, ROOT_PRODUCT: found.root.variation}
 
 
 def adaptive_area(say: Callable[[str], None]) -> Iterator[Example]:
@@ -81,13 +74,13 @@ def _adapt(
     weight = Weight(formula, mode=mode, allow_negative=formula == SECOND)
     start = domain("square", CELLS + 1, CELLS + 1)
     case = sweep(label, start, "area", weight=weight, sweeps=sweeps, keep_valid=keep_valid)
-    return replace(case, extra=equidistribution(case.grid, formula))
+    return replace(case, extra=spreads(case.grid, formula))
 
 
 def _start(label: str, formula: str) -> Case:
     grid = domain("square", CELLS + 1, CELLS + 1)
     value = energy(grid, "area", weight=Weight(formula, allow_negative=True))
-    return Case(label, grid, start_energy=value, energy=value, extra=equidistribution(grid, formula))
+    return Case(label, grid, start_energy=value, energy=value, extra=spreads(grid, formula))
 
 
 def _first_weight() -> dict[str, Case]:
