@@ -48,7 +48,7 @@ def transfinite(bottom: ArrayLike, top: ArrayLike, left: ArrayLike, right: Array
                 f"{len(other)}: sample both alike"
             )
     _check_corners(b, t, le, r)
-    return Grid(_coons(b, t, le, r))
+    return Grid.from_planes(*_coons(b, t, le, r))
 
 
 def _side(name: str, points: ArrayLike) -> FloatArray:
@@ -86,16 +86,18 @@ def _check_corners(b: FloatArray, t: FloatArray, le: FloatArray, r: FloatArray) 
 
 
 def _coons(b: FloatArray, t: FloatArray, le: FloatArray, r: FloatArray) -> FloatArray:
-    """Return the interpolated nodes, shape (ni, nj, 2), with the given boundary put back bit by bit."""
-    ni, nj = len(b), len(le)
-    s = np.linspace(0.0, 1.0, ni)[:, None, None]
-    u = np.linspace(0.0, 1.0, nj)[None, :, None]
-    with np.errstate(over="ignore", invalid="ignore"):  # Grid() reports what overflows.
-        xy = (1 - u) * b[:, None] + u * t[:, None] + (1 - s) * le[None] + s * r[None]
-        xy -= (1 - s) * ((1 - u) * b[0] + u * t[0]) + s * ((1 - u) * b[-1] + u * t[-1])
-    xy[0], xy[-1] = le, r
-    xy[:, 0], xy[:, -1] = b, t
-    return np.asarray(xy, dtype=np.float64)
+    """Return the interpolated nodes, planes (2, ni, nj), with the given boundary put back bit by bit."""
+    s = np.linspace(0.0, 1.0, len(b))[:, None]
+    u = np.linspace(0.0, 1.0, len(le))
+    planes = np.empty((2, len(b), len(le)))
+    # Plane by plane: along pairs (x, y) the same sums would take ten times as long.
+    for c, plane in enumerate(planes):
+        with np.errstate(over="ignore", invalid="ignore"):  # Grid() reports what overflows.
+            plane[...] = (1 - u) * b[:, None, c] + u * t[:, None, c] + (1 - s) * le[:, c] + s * r[:, c]
+            plane -= (1 - s) * ((1 - u) * b[0, c] + u * t[0, c]) + s * ((1 - u) * b[-1, c] + u * t[-1, c])
+        plane[0], plane[-1] = le[:, c], r[:, c]
+        plane[:, 0], plane[:, -1] = b[:, c], t[:, c]
+    return planes
 
 
 def _text(point: FloatArray) -> str:

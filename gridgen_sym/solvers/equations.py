@@ -24,6 +24,7 @@ class Equations:
     problem: Problem
     spacing: tuple[float, float]
     best: dict[bool, tuple[float, Array]] = field(default_factory=dict)
+    _planes: Array | None = None
 
     def residual(self, coordinates: Array) -> Array:
         """Return the residual (2, ni, nj), zero at fixed nodes."""
@@ -33,10 +34,11 @@ class Equations:
         return self.problem.pin(residual)
 
     def jacobian(self, coordinates: Array) -> Array:
-        """Return the planes (36, ni, nj) of the Jacobian."""
-        return self.problem.kernels.euler_lagrange_jacobian(
-            coordinates, self.problem.weights(coordinates), self.spacing
+        """Return the planes (36, ni, nj) of the Jacobian, in memory that the next call writes to again."""
+        self._planes = self.problem.kernels.euler_lagrange_jacobian(
+            coordinates, self.problem.weights(coordinates), self.spacing, out=self._planes
         )
+        return self._planes
 
     def round_off(self, coordinates: Array) -> float:
         """Return the norm below which a residual cannot be told from zero."""
