@@ -48,9 +48,9 @@ def adapt(
 ) -> AdaptResult:
     """Move the nodes of a grid to where a solution needs them; no cell ever folds.
 
-    Each step solves on the present grid, lets the monitor make a density of nodes of the solution, and moves towards
-    the grid that minimises the functional with the weight of that density. The moves are damped, because a frozen
-    weight is known at nodes and moves with them: this is a fixed point, and not one minimisation.
+    Each step solves on the present grid, lets the monitor make a density of nodes of the solution, and minimises the
+    functional with the weight of that density. The weight is held at the nodes and moves with them, so this is a fixed
+    point and not one minimisation; from step to step the weight is damped.
 
     Args:
         grid: the start. A folded one is untangled first.
@@ -65,7 +65,8 @@ def adapt(
         parameters: of the functional.
         steps: at most so many steps.
         moves: of the nodes in each step, with the density interpolated between. By default 3 for a solver, 1 else.
-        damping: the share of each move that is taken, above 0 and at most 1; lowered when the grid does not settle.
+        damping: the share of the wanted weight in the next one (a geometric mean with the last), above 0 and at most
+            1; lowered when the grid does not settle.
         tolerance: the grid has settled when no node moves farther in a step, over the size of the domain.
         boundary: `straight`: nodes slide along straight sides, where that changes no shape; `all`: along the polygon
             of every side, which cuts off what little lies between two nodes; `fixed`: they stay. Corners always stay.
@@ -118,7 +119,7 @@ class _Run:
                 way = movement(self.grid, moved)
                 live.tell(self._take(moved, way))
                 if way <= tolerance:
-                    return True, False, f"the grid has settled: its last step moved no node by more than {way:.1e}."
+                    return self._settled(way)
                 if 0 < before < way:
                     self.mover.calm()
         except KeyboardInterrupt:
@@ -134,6 +135,13 @@ class _Run:
                 f"{tolerance:.1e} of the domain's size. Allow more steps, a smaller share or more smoothing."
             ),
         )
+
+    def _settled(self, way: float) -> tuple[bool, bool, str]:
+        """Return what to say of a grid whose nodes no longer move: that can mean that they cannot."""
+        if not self.mover.trouble:
+            return True, False, f"the grid has settled: its last step moved no node by more than {way:.1e}."
+        name = self.mover.functional.name
+        return False, False, f"nodes move no farther, but {name} is not minimised: {self.mover.trouble}"
 
     def _take(self, grid: Grid, way: float) -> AdaptStep:
         """Solve on a grid and make it the present one."""

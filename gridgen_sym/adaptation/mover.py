@@ -1,4 +1,9 @@
-"""Move nodes towards a density: the boundary slides, the functional is minimised, and a part of the way is taken."""
+"""Move nodes towards a density: the boundary slides, and the functional is minimised with a damped weight.
+
+It is the weight that is damped, by geometric means of the last one and the one that is wanted, and not the way of the
+nodes: every grid is then a minimum of the functional, as valid as its barrier makes it, where the mean of two valid
+grids may be folded.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..functionals.definition import Functional
-from ..grids import Grid, quality
+from ..grids import Grid
 from ..runtime import Array, Mask
 from ..solvers import Weight, optimize
-from ..solvers.sampled import grid_field
+from ..solvers.sampled import grid_field, nodal
+from .equidistribution import cell_areas
 from .law import weight_values
 from .sides import Side, slide
 
@@ -19,7 +25,6 @@ from .sides import Side, slide
 _INNER_TOLERANCE, _INNER_STEPS = 1e-2, 30
 #: The damping is lowered by this factor when the movement grows, down to the least.
 _CALMER, _LEAST_DAMPING = 0.7, 0.1
-_HALVINGS = 12
 
 
 @dataclass(slots=True)
@@ -32,8 +37,10 @@ class Mover:
         parameters: of the functional.
         fixed: mask of the nodes that do not move.
         backend: `c`, `numpy` or the default.
-        damping: the share of each move that is taken.
+        damping: the share of what is wanted in the next weight.
         sides: where boundary nodes slide.
+        weight: the last weight (ni, nj); at first that under which the start is equidistributed.
+        trouble: why the last minimisation stopped early, or nothing.
     """
 
     functional: Functional
@@ -43,6 +50,8 @@ class Mover:
     backend: str | None
     damping: float
     sides: list[Side]
+    weight: Array | None = None
+    trouble: str = ""
 
     def towards(self, grid: Grid, density: Array, moves: int) -> Grid:
         """Return the grid after some moves towards the density (ni, nj) at its nodes; interpolated between moves."""
@@ -57,11 +66,15 @@ class Mover:
         self.damping = max(_CALMER * self.damping, min(self.damping, _LEAST_DAMPING))
 
     def _move(self, start: Grid, density: Array) -> Grid:
+        if self.weight is None:
+            self.weight = weight_values(nodal(1 / cell_areas(start)), start, self.law)
         grid = slide(self.sides, start, density, self.fixed, self.damping)
+        wanted = weight_values(density, grid, self.law)
+        self.weight = self.weight ** (1 - self.damping) * wanted**self.damping
         solved = optimize(
             grid,
             self.functional,
-            weight=Weight(weight_values(density, grid, self.law)),
+            weight=Weight(self.weight),
             fixed=self.fixed,
             parameters=self.parameters,
             tolerance=_INNER_TOLERANCE,
@@ -71,14 +84,8 @@ class Mover:
         )
         if solved.interrupted:
             raise KeyboardInterrupt
-        step = self.damping * (solved.grid.planes - grid.planes)
-        # A mean of two valid grids need not be valid.
-        for _ in range(_HALVINGS):
-            moved = Grid.from_planes(*(grid.planes + step))
-            if quality(moved).valid:
-                return moved
-            step /= 2
-        return grid
+        self.trouble = "" if solved.converged else solved.message
+        return solved.grid
 
 
 def movement(one: Grid, other: Grid) -> float:

@@ -112,6 +112,40 @@ def test_functionals_without_a_barrier_do_not_fold_either(functional):
     assert result.history[-1].error < result.history[0].error
 
 
+def test_a_grid_that_cannot_move_is_not_called_settled():
+    """Length folds cells in a domain like this one: its minimum cannot be reached."""
+    start = gg.optimize(gg.domain("annulus", 33, 17), "winslow").grid
+    result = gg.adapt(start, "tanh(20*(x - 0.2))", functional="length")
+    assert result.quality.valid
+    assert not result.converged
+    assert "length is not minimised: the minimum lies beyond the valid grids" in result.message
+
+
+@pytest.mark.parametrize("name", gg.domain_names())
+def test_every_domain_can_be_adapted(name):
+    start = gg.optimize(gg.domain(name, 25, 25), "winslow").grid
+    center, size = start.planes[:, 12, 15], 24 * np.sqrt(gg.quality(start).mean_jacobian)
+
+    def bubble(x, y):
+        return np.tanh(20 * (np.hypot(x - center[0], y - center[1]) / size - 0.25))
+
+    result = gg.adapt(start, bubble, steps=12)
+    assert result.quality.valid
+    # Measured: 0.3 to 0.65.
+    assert interpolation_error(result.grid, bubble) < 0.75 * interpolation_error(start, bubble)
+    assert result.after.weight.variation < 0.75 * result.before.weight.variation
+
+
+def test_a_moving_front_is_followed_by_a_few_steps_at_a_time():
+    grid = gg.adapt(square(), lambda x, y: np.tanh(50 * (np.hypot(x, y) - 0.3))).grid
+    for radius in np.linspace(0.32, 0.5, 10):
+        moved = lambda x, y, r=radius: np.tanh(50 * (np.hypot(x, y) - r))  # noqa: E731
+        result = gg.adapt(grid, moved, steps=2)
+        assert result.quality.valid
+        assert interpolation_error(result.grid, moved) < interpolation_error(square(), moved) / 3
+        grid = result.grid
+
+
 def test_a_functional_of_ones_own_needs_its_power():
     own = gg.define("own_adaptive", lambda m: m.s * (m.g11 + m.g22) + 1e-7 / m.J, replace=True)
     with pytest.raises(gg.GridgenError, match="how 'own_adaptive' places nodes with a weight is not known"):
