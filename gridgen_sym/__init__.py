@@ -40,6 +40,7 @@ from .grids import Quality as Quality
 from .grids import certificates as certificates
 from .grids import domain as domain
 from .grids import domain_names as domain_names
+from .grids import plot_certificates as plot_certificates
 from .grids import plot_grid as plot_grid
 from .grids import plot_grids as plot_grids
 from .grids import quality as quality

@@ -369,3 +369,46 @@ def test_a_grid_with_a_committed_functional_does_not_load_sympy():
         "assert 'sympy' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+
+NOTCHED = "x,y\n0,0\n2.9,0\n3.1,0.7\n3.3,0\n6,0\n6,1.5\n6,3\n0,3\n"
+
+
+def test_corners_and_sampling_of_an_outline(monkeypatch):
+    monkeypatch.delenv("GRIDGEN_SYM_QUIET", raising=False)
+    Path("notched.csv").write_text("# corners: 0 4 5 7\n" + NOTCHED)
+    said = run("grid", "notched.csv", "-f", "winslow", "--size", 24, 12, "-o", "moved.npz")
+    assert "corner 2 of 'notched' is moved from point 5" in said
+    assert gg.read("moved.npz").xy[-1, -1].tolist() == [6, 3]
+    run("grid", "notched.csv", "-f", "winslow", "--size", 24, 12, "--corners", "0 4 6 7", "--sampling", "equal")
+    Path("bare.csv").write_text(NOTCHED)
+    run("grid", "bare.csv", "-f", "winslow", "--size", 24, 12, "--corners", "auto", "-o", "auto.npz")
+    assert gg.read("auto.npz") == gg.read("moved.npz")
+    assert "expected the header" in run("grid", "bare.csv", "-f", "winslow", code=2)
+    assert "--corners is auto or four" in run("grid", "notched.csv", "-f", "winslow", "--corners", "0,4", code=2)
+    assert "--corners belongs to an outline" in run("grid", "swan", "-f", "winslow", "--corners", "auto", code=2)
+    assert "--sampling belongs to an outline" in run("grid", "moved.npz", "-f", "length", "--sampling", "equal", code=2)
+
+
+def test_a_certificate_is_told_and_drawn():
+    pytest.importorskip("matplotlib")
+    Path("notched.csv").write_text("# corners: 0 4 5 7\n" + NOTCHED)
+    arguments = ["grid", "notched.csv", "-f", "winslow", "--size", 24, 12, "--corners", "0,4,5,7"]
+    said = run(*arguments, "-o", "bad.npz", "--plot", "bad.png", code=1)
+    assert said.count("at corner 2, node (24, 12) at (6, 1.5), the boundary turns the wrong way") == 1
+    assert Path("bad.png").read_bytes().startswith(b"\x89PNG")
+    said = run("quality", "bad.npz", "--plot", "again.png", code=1)
+    assert "no valid grid exists: at corner 2" in said
+    assert Path("again.png").read_bytes() == Path("bad.png").read_bytes()
+    run("grid", "square", "-f", "winslow", "-o", "good.npz")
+    assert "no valid grid exists" not in run("quality", "good.npz", "--plot", "good.png")
+    assert Path("good.png").is_file()
+
+
+def test_a_clockwise_grid_file_is_mirrored_if_that_is_wished(monkeypatch):
+    monkeypatch.delenv("GRIDGEN_SYM_QUIET", raising=False)
+    gg.Grid(gg.domain("swan", 9, 9).xy[::-1]).write("clockwise.npz")
+    said = run("grid", "clockwise.npz", "-f", "winslow", "--reorient", "-o", "mended.npz")
+    assert "left and right are exchanged" in said
+    assert gg.read("mended.npz").xy[0, 0].tolist() == [0, 0]
+    assert "the boundary runs clockwise" in run("grid", "clockwise.npz", "-f", "winslow", code=1)

@@ -11,12 +11,12 @@ import click
 from gridgen_sym.errors import GridgenError, MissingExtraError
 
 from .base import functionals_option
+from .start import assignments, start_grid
 
 if TYPE_CHECKING:
     from gridgen_sym.grids import Grid
     from gridgen_sym.solvers import Result, Weight
 
-_DEFAULT_CELLS = (40, 40)
 _PICTURES = (".png", ".svg", ".pdf")
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 
@@ -49,7 +49,15 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option("--keep-valid/--no-keep-valid", default=None, help="Whether a valid grid may not fold on the way.")
 @click.option("--interior-only", is_flag=True, help="Sum over corners at inner nodes only (newton and local).")
 @click.option("--backend", type=click.Choice(("c", "numpy")), help="Compiled or not.  [default: c if possible]")
-@click.option("--reorient", is_flag=True, help="Accept an outline that runs clockwise.")
+@click.option(
+    "--corners", metavar="CORNERS", help="Of an outline: auto, or four indices of points such as '0,10,20,30'."
+)
+@click.option(
+    "--sampling",
+    type=click.Choice(("features", "equal")),
+    help="Boundary nodes of an outline: on its sharp turns, or at equal arc lengths.  [default: features]",
+)
+@click.option("--reorient", is_flag=True, help="Accept an outline or a grid file that runs clockwise.")
 @click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
 @functionals_option
 def grid(input: str, name: str, output: str | None, plot: str | None, quiet: bool, **options: Any) -> None:  # noqa: ANN401
@@ -63,65 +71,21 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
     functional(name)
+    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "reorient")}
     solve = _solver(name, quiet, **options)
     _check_outputs(output, plot)
-    start = start_grid(input, options["size"], options["reorient"])
+    start = start_grid(input, **boundary)
     _say(quiet, f"start: {input}, {_count(start)}, {_folds(start)}")
     result: Result = solve(start)
     _report(result, quiet)
-    _write(result.grid, output, plot, name, input, quiet)
+    if output:
+        result.grid.write(output)
+        _say(quiet, f"wrote {output}")
+    _certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result.message)
     if result.interrupted:
         raise click.exceptions.Exit(130)
     if not result.quality.valid:
         raise click.exceptions.Exit(1)
-
-
-def start_grid(source: str, size: tuple[int, int] | None, reorient: bool = False) -> Grid:
-    """Return the grid to start from.
-
-    Args:
-        source: a domain with its parameters, an outline's file or a grid file.
-        size: number of cells; not for a grid file, which has its own.
-        reorient: accept a clockwise outline.
-
-    Raises:
-        GridgenError: if it is none of these, or cannot be read.
-    """
-    from gridgen_sym.grids import Outline, domain, known_suffixes, read
-
-    ni, nj = (cells + 1 for cells in size or _DEFAULT_CELLS)
-    if min(ni, nj) < 3:
-        raise GridgenError(f"--size is the number of cells along xi and eta, at least 2 2; came {ni - 1} {nj - 1}")
-    suffix = Path(source).suffix.lower()
-    if suffix not in known_suffixes() and not Path(source).is_file():
-        key, _, rest = source.partition(":")
-        return domain(key, ni, nj, **_assignments(rest.split(",") if rest else [], f"the domain {key!r}"))
-    if suffix == ".csv" and _is_outline(source):
-        return Outline.read(source, reorient=reorient).grid(ni, nj)
-    if size is not None:
-        raise GridgenError(f"{source} is a grid file and has its own number of cells: drop --size")
-    return read(source)
-
-
-def _is_outline(path: str) -> bool:
-    from gridgen_sym.atomic import read_bytes
-
-    lines = read_bytes(path).decode("utf-8-sig", errors="replace").splitlines()
-    return any(line.startswith("#") and line[1:].strip().lower().startswith("corners") for line in lines)
-
-
-def _assignments(texts: list[str] | tuple[str, ...], of: str) -> dict[str, float]:
-    """Return the values of texts such as `R=4.5`."""
-    values = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        try:
-            if not (name and equals):
-                raise ValueError
-            values[name.strip()] = float(value)
-        except ValueError:
-            raise GridgenError(f"a parameter of {of} is written NAME=NUMBER, such as k=0.5; came {text!r}") from None
-    return values
 
 
 def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **options: Any) -> Any:  # noqa: ANN401
@@ -130,7 +94,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
 
     given = {key: options[key] for key in ("tolerance", "max_iterations", "keep_valid", "backend")}
     given = {key: value for key, value in given.items() if value is not None}
-    given["parameters"] = _assignments(options["parameters"], f"the functional {name!r}")
+    given["parameters"] = assignments(options["parameters"], f"the functional {name!r}")
     given["weight"] = _weight(options["weight"], options["weight_mode"], options["allow_negative_weight"])
     if quiet:
         given["progress"] = False
@@ -181,14 +145,20 @@ def _report(result: Result, quiet: bool) -> None:
         click.secho(result.quality.describe_folds(), fg="red", err=True)
 
 
-def _write(made: Grid, output: str | None, plot: str | None, name: str, source: str, quiet: bool) -> None:
-    if output:
-        made.write(output)
-        _say(quiet, f"wrote {output}")
-    if plot:
-        from gridgen_sym.grids import plot_grid
+def _certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, said: str = "") -> None:
+    """Say of a folded grid which proofs there are that its boundary admits no valid one, and draw it, or these."""
+    from gridgen_sym.grids import certificates, plot_certificates, plot_grid
+    from gridgen_sym.grids import quality as measure
 
-        plot_grid(made, plot, title=f"{Path(source).stem}: {name}")
+    found = () if measure(made).valid else certificates(made)
+    for certificate in found:
+        if certificate.message not in said:
+            click.secho(certificate.message, fg="red", err=True)
+    if plot:
+        if found:
+            plot_certificates(made, plot, found=found)
+        else:
+            plot_grid(made, plot, title=title)
         _say(quiet, f"wrote {plot}")
 
 
@@ -211,13 +181,17 @@ def _folds(grid: Grid) -> str:
 
 @click.command()
 @click.argument("file")
-def quality(file: str) -> None:
+@click.option("--plot", metavar="PNG", help="Draw the grid, and why no valid one exists: .png, .svg or .pdf.")
+def quality(file: str, plot: str | None) -> None:
     """Measure the grid in FILE; exits with 1 if a cell is folded."""
     from gridgen_sym.grids import quality as measure
     from gridgen_sym.grids import read
 
-    measured = measure(read(file))
+    _check_outputs(None, plot)
+    given = read(file)
+    measured = measure(given)
     click.echo(measured.summary())
+    _certify_and_draw(given, plot, Path(file).stem, quiet=False)
     if not measured.valid:
         raise click.exceptions.Exit(1)
 

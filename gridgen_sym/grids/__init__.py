@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .certificate import Certificate as Certificate
 from .certificate import certificates as certificates
+from .corners import CornerChoice as CornerChoice
 from .domains import domain as domain
 from .domains import domain_description as domain_description
 from .domains import domain_names as domain_names
@@ -15,6 +16,7 @@ from .grid import corner_jacobians as corner_jacobians
 from .outline import Outline as Outline
 from .plot import plot_grid as plot_grid
 from .plot import plot_grids as plot_grids
+from .plot_certificate import plot_certificates as plot_certificates
 from .quality import Quality as Quality
 from .quality import quality as quality
 from .transfinite import transfinite as transfinite

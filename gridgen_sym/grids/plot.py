@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 MOST_LINES = 260  # Along each axis: more would run together to a black area, and make huge vector files.
 MOST_FOLDS = 20_000  # Of more folded cells every n-th is drawn; all are counted.
-_INK, _EDGE, _ALARM = "#26323d", "#0b1016", "#d7191c"
+_INK, _EDGE, ALARM = "#26323d", "#0b1016", "#d7191c"
 
 
 def plot_grid(
@@ -50,10 +50,10 @@ def plot_grid(
     """
     if ax is None:
         ax = _figure(grid).add_subplot()
-    _draw(ax, grid, title)
+    draw_grid(ax, grid, title)
     figure = ax.figure.figure  # The axes may stand in a subfigure: take the whole.
     if path is not None:
-        _save(figure, path)
+        save(figure, path)
     return figure
 
 
@@ -75,15 +75,15 @@ def plot_grids(
         raise GridgenError(f"a picture in panels needs a grid and a column, but has {len(grids)} and {columns}")
     across = min(columns, len(grids))
     down = -(-len(grids) // across)
-    figure = _new_figure(3.6 * across, 3.6 * down)
+    figure = new_figure(3.6 * across, 3.6 * down)
     for k, (title, grid) in enumerate(grids):
-        _draw(figure.add_subplot(down, across, k + 1), grid, title, ink=0.6)
+        draw_grid(figure.add_subplot(down, across, k + 1), grid, title, ink=0.6)
     if path is not None:
-        _save(figure, path)
+        save(figure, path)
     return figure
 
 
-def _new_figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float) -> Figure:
     """Return an empty figure, made without pyplot and so without its global state."""
     try:
         from matplotlib.figure import Figure
@@ -96,10 +96,10 @@ def _figure(grid: Grid) -> Figure:
     """Return an empty figure about as wide and high as the grid asks for."""
     width, height = np.ptp(grid.planes / 2, axis=(1, 2)).tolist()
     largest = max(width, height) or 1.0
-    return _new_figure(*(1.0 + 6.0 * float(np.clip(side / largest, 0.3, 1.0)) for side in (width, height)))
+    return new_figure(*(1.0 + 6.0 * float(np.clip(side / largest, 0.3, 1.0)) for side in (width, height)))
 
 
-def _draw(ax: Axes, grid: Grid, title: str | None, ink: float = 1.0) -> None:
+def draw_grid(ax: Axes, grid: Grid, title: str | None, ink: float = 1.0) -> None:
     """Draw one grid on axes; `ink` scales the widths of its lines, for small panels."""
     from matplotlib.collections import LineCollection
 
@@ -140,7 +140,7 @@ def _mark_folds(ax: Axes, grid: Grid) -> None:
     shown = slice(None, None, -(-count // MOST_FOLDS))
     i, j = report.folded[shown].T
     corners = grid.planes[:, [i, i + 1, i + 1, i], [j, j, j + 1, j + 1]].transpose(2, 1, 0)
-    ax.add_collection(PolyCollection(list(corners), facecolors=_ALARM, edgecolors="none", alpha=0.5, zorder=4))
+    ax.add_collection(PolyCollection(list(corners), facecolors=ALARM, edgecolors="none", alpha=0.5, zorder=4))
     label = f"{count} folded cell{'s' if count > 1 else ''}"
     x, y = report.folded_centers[shown].T
     ax.plot(
@@ -150,7 +150,7 @@ def _mark_folds(ax: Axes, grid: Grid) -> None:
         marker="o",
         markersize=3 if count <= 200 else 1.5,
         markeredgewidth=0,
-        color=_ALARM,
+        color=ALARM,
         zorder=5,
         label=label,
     )
@@ -163,7 +163,7 @@ def _mark_folds(ax: Axes, grid: Grid) -> None:
     )
 
 
-def _save(figure: Figure, path: str | os.PathLike[str]) -> None:
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write the picture, whole or not at all."""
     suffix = Path(path).suffix.lower().removeprefix(".")
     known = figure.canvas.get_supported_filetypes()
