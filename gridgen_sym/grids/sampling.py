@@ -26,7 +26,7 @@ _SHARP = np.radians(20.0)
 #: Node k may stand so many cells from where equal spacing puts it.
 _BAND = 3
 #: What a turn of one radian is worth, in the units of one cell that is longer by the factor e.
-_WORTH = 2.0
+_WORTH = 1.0
 #: A stretch looks back so many cells for the sharp vertex before it.
 _REACH = 24
 

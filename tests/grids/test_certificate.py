@@ -197,6 +197,12 @@ def test_orientation_is_exact_where_rounding_is_not():
     assert orientation(p, q, np.array([0.2, above]))[0] == 1
     assert orientation(p, q, np.array([0.2, 0.2]))[0] == 0
     assert orientation(p, q, np.array([above, 0.2]))[0] == -1
+    # L. Kettner et al., Classroom examples of robustness problems (2008): rounded signs are wrong near this line.
+    near = 0.5 + 2.0**-53 * np.stack(np.meshgrid(np.arange(64), np.arange(64), indexing="ij"), axis=-1).reshape(-1, 2)
+    line = np.array([12.0, 12.0]), np.array([24.0, 24.0])
+    u, v = line[0] - near, line[1] - near
+    assert (np.sign(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) != np.sign(near[:, 1] - near[:, 0])).any()
+    assert np.array_equal(orientation(near, *line), np.sign(near[:, 1] - near[:, 0]))
     many = orientation(1e6 + p, 1e6 + q, 1e6 + np.array([[0.2, 0.25], [0.25, 0.2]]))
     assert many.tolist() == [1, -1]
 

@@ -149,6 +149,7 @@ def test_bad_choices(corners, sampling, message):
         gg.Outline(NOTCHED, (0, 4, 6, 7)).grid(9, 9, corners, sampling)
 
 
+@settings(max_examples=50)
 @given(closed_curves(), st.sampled_from(["features", "equal"]), st.sampled_from([None, "auto"]))
 def test_any_curve_gives_a_grid_or_a_clear_message(points, sampling, corners):
     try:
@@ -165,7 +166,7 @@ def test_any_curve_gives_a_grid_or_a_clear_message(points, sampling, corners):
 def test_sampled_outlines_have_no_certificate(corners, cells):
     moved = {}
     for path in sorted(OUTLINES.glob("*.csv")):
-        if path.stem != "index":
+        if path.stem != "index" and (corners is None or path.stem in ("australia", "poland", "lake_victoria")):
             outline = gg.Outline.read(path)
             choice = outline.choose_corners(cells + 1, cells + 1, corners)
             moved[path.stem] = choice.moved
