@@ -17,6 +17,8 @@ _SUFFICIENT, _HALVINGS = 1e-4, 40
 _PATIENCE, _LITTLE = 5, 1e-6
 #: Shift of the semidefinite Hessian, over its mean diagonal, beyond which steps are too short to matter.
 _LARGEST_SHIFT, _SMALLEST_SHIFT = 1e3, 1e-8
+#: The first shift of a full Hessian that is not positive, likewise.
+_FIRST_SHIFT = 1e-4
 #: Relative residuals of the linear solves, and that of the last one.
 _LOOSEST, _TIGHTEST, _LAST = 0.1, 1e-3, 1e-5
 
@@ -37,8 +39,9 @@ def minimize(
     """Minimise until the gradient's norm has fallen by the factor `tolerance`; changes `coordinates` in place.
 
     Uses the full Hessian while its steps lead downhill and are not cut; after a step that was cut, the
-    semidefinite one, shifted where it is singular. With `semidefinite` only that one. The linear systems are
-    solved only as well as the step deserves (Eisenstat and Walker 1996).
+    semidefinite one, shifted where it is singular; for a functional that is not polyconvex the full one, with the
+    smallest shift that conjugate gradients find positive, kept from step to step. With `semidefinite` only the
+    semidefinite one. The linear systems are solved only as well as the step deserves (Eisenstat and Walker 1996).
 
     Args:
         problem: what is minimised.
@@ -85,7 +88,7 @@ def minimize(
         energy, smallest, gradient = problem.energy_gradient(coordinates, out=gradient)
         norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
-        state.learn(search.length, norm / before[1], max(tolerance * first, round_off) / (norm or 1.0))
+        state.learn(search, norm / before[1], max(tolerance * first, round_off) / (norm or 1.0))
         cut += search.folds and not problem.kernels.barrier  # A barrier's own line search is nothing to tell.
         held_back = held_back + 1 if search.folds and before[0] - energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
@@ -105,7 +108,7 @@ class _Newton:
 
     Attributes:
         only_semidefinite: never use the full Hessian.
-        cautious: use the semidefinite one next, because the last step was cut.
+        cautious: use the semidefinite one next, because the last step was cut; never where it only shifts.
         shift: added to the diagonal, over its mean.
         forcing: relative residual of the next linear solve.
     """
@@ -119,6 +122,15 @@ class _Newton:
     exact: bool = False
     planes: Array | None = None
 
+    @property
+    def clamps(self) -> bool:
+        """Whether the semidefinite Hessian, and not a shift of the full one, helps where that is not positive.
+
+        Where clamped eigenvalues make it semidefinite they change it in most corners, far more than is needed: with it
+        Newton's method converges linearly, and ever slower the finer the grid is.
+        """
+        return self.only_semidefinite or self.problem.kernels.polyconvex
+
     def downhill(self, search: _Search) -> Array | None:
         """Return a step that lowers the energy, or None if no shift gives one."""
         semidefinite = self.only_semidefinite or self.cautious
@@ -126,9 +138,11 @@ class _Newton:
             direction = self._direction(search, semidefinite)
             if direction is not None and search.along(direction):
                 return search.length * direction
-            if semidefinite:
+            if not self.clamps:
+                self.shift = max(4 * self.shift, _FIRST_SHIFT)
+            elif semidefinite:
                 self.shift = max(10 * self.shift, 1e-6)
-            semidefinite = True
+            semidefinite = self.clamps
         return None
 
     def _direction(self, search: _Search, semidefinite: bool) -> Array | None:
@@ -138,7 +152,7 @@ class _Newton:
         # The semidefinite Hessian may be singular (area's is); a small shift makes it definite.
         shift = max(self.shift, _SMALLEST_SHIFT) if semidefinite else self.shift
         if shift:
-            size = 0.5 * float(self.planes[0].mean() + self.planes[2].mean())
+            size = 0.5 * float(np.abs(self.planes[0]).mean() + np.abs(self.planes[2]).mean())
             self.planes[0] += shift * size
             self.planes[2] += shift * size
         if not self.solver.set_operator(self.planes):
@@ -146,14 +160,21 @@ class _Newton:
         solution = self.solver.solve(-search.gradient, self.forcing)
         return solution.vector if solution.positive else None
 
-    def learn(self, length: float, reduction: float, wanted: float) -> None:
-        """Draw the lesson of a step of some length that changed the gradient's norm by a factor.
+    def learn(self, search: _Search, reduction: float, wanted: float) -> None:
+        """Draw the lesson of a step that changed the gradient's norm by a factor.
 
         Newton's method squares that factor. Where that will do for the factor that is still `wanted`, the next system
         is the last, and is solved just as well as that: a little more work on it saves a step.
         """
-        self.cautious = length < (0.2 if self.exact else 0.5)
-        self.shift = 0.0 if length == 1.0 and self.exact else (self.shift / 10 if length > 0.5 else self.shift)
+        length = search.length
+        if self.clamps:
+            self.cautious = length < (0.2 if self.exact else 0.5)
+            self.shift = 0.0 if length == 1.0 and self.exact else (self.shift / 10 if length > 0.5 else self.shift)
+        elif length > 0.5:
+            self.shift = self.shift / 4 if self.shift > _FIRST_SHIFT / 10 else 0.0
+        elif not search.folds:
+            # A step that was cut because it would fold a cell says nothing of the Hessian.
+            self.shift = max(4 * self.shift, _FIRST_SHIFT)
         last = reduction**2 <= wanted
         self.forcing = min(_LOOSEST, max(_LAST, 0.5 * wanted) if last else max(_TIGHTEST, 0.5 * reduction))
 

@@ -361,3 +361,12 @@ def test_turning_the_domain_turns_the_result(name):
     expected = gg.optimize(start, name, tolerance=1e-9)
     result = gg.optimize(gg.Grid(start.xy @ turn.T), name, tolerance=1e-9)
     assert farthest(gg.Grid(result.grid.xy @ turn), expected.grid) < 1e-6
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="slow without a compiler")
+def test_few_steps_without_polyconvexity():
+    """Knupp's full Hessian is not positive far from the minimum; clamped and not shifted, it took 38 steps."""
+    result = gg.optimize(gg.domain("wavy", 65, 65), "knupp", tolerance=1e-8)
+    assert result.converged, result.message
+    assert result.iterations <= 30
+    assert largest_rise(result) <= 1e-12
