@@ -121,6 +121,49 @@ def test_bicgstab_solves_with_the_jacobian(shape):
     assert np.linalg.norm(residual) <= 1e-7 * np.linalg.norm(right)
 
 
+@pytest.mark.parametrize(
+    ("make", "planes_of"), [(Multigrid, hessian), (GeneralMultigrid, jacobian)], ids=["hessian", "jacobian"]
+)
+def test_any_number_of_threads_gives_the_same_bits(make, planes_of, monkeypatch):
+    shape = (140, 181)
+    planes, fixed = planes_of(shape)
+    right = np.random.default_rng(0).normal(size=(2, *shape)) * (fixed == 0)
+    solutions = []
+    for threads in ("1", "2", "3"):
+        monkeypatch.setenv("OMP_NUM_THREADS", threads)
+        multigrid = make(fixed)
+        assert multigrid.set_operator(planes)
+        solutions.append(multigrid.solve(right, 1e-6).vector)
+    for solution in solutions[1:]:
+        np.testing.assert_array_equal(solution, solutions[0])
+
+
+def swapped(planes):
+    """The planes of a Hessian with the directions xi and eta swapped."""
+    xx, xy, yy, *others = planes
+    up, along, diagonal, falling = np.reshape(others, (4, 4, *xx.shape))
+    # The coupling of (i, j) with (i+1, j-1) is, swapped, that of (j, i) with (j-1, i+1), stored at the latter.
+    rising = np.zeros_like(falling)
+    rising[:, 1:, :-1] = falling[:, :-1, 1:]
+    blocks = np.concatenate([np.stack([xx, xy, yy]), along, up, diagonal, rising[[0, 2, 1, 3]]])
+    return np.ascontiguousarray(np.swapaxes(blocks, 1, 2))
+
+
+def test_sheared_lines_are_solved_in_both_directions():
+    """Cells of 1/7 by 1/200, sheared: pivots of the lines are nearly singular, in single precision they fail."""
+    planes, fixed = hessian((7, 200))
+    right = np.random.default_rng(0).normal(size=(2, 7, 200)) * (fixed == 0)
+    along, across = Multigrid(fixed), Multigrid(np.ascontiguousarray(fixed.T))
+    turned = swapped(planes)
+    assert along.set_operator(planes)
+    assert across.set_operator(turned)
+    one = along.solve(right, 1e-8)
+    two = across.solve(np.ascontiguousarray(np.swapaxes(right, 1, 2)), 1e-8)
+    assert max(one.iterations, two.iterations) <= 8
+    scale = np.abs(one.vector).max()
+    np.testing.assert_allclose(np.swapaxes(two.vector, 1, 2), one.vector, atol=1e-4 * scale)
+
+
 def test_an_indefinite_operator_is_told():
     planes, fixed = hessian((9, 12))
     # Couplings stronger than the diagonal: positive blocks, and a matrix that is not.
