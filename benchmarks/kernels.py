@@ -37,6 +37,7 @@ _WORK = {
     "energy + gradient": Work((("corner_gradient", 4),), 16 + 2 * 16),
     "Hessian": Work((("corner_hessian", 4),), 16 + 2 * 152),
     "semidefinite Hessian": Work((("corner_semidefinite", 4),), 16 + 2 * 152),
+    "Hessian times vector": Work((("corner_hessian_vector", 4),), 2 * 16 + 2 * 16),
     "Euler–Lagrange residual": Work((("residual", 1),), 16 + 2 * 16),
     "Euler–Lagrange Jacobian": Work((("residual_slopes", 1),), 16 + 2 * 288),
     "relaxation sweep": Work((("residual_coefficients", 1),), 2 * 16 + 1),
@@ -66,6 +67,7 @@ def calls(kernel_set: KernelSet, coordinates: Array) -> dict[str, Callable[[], o
         "energy + gradient": lambda: kernel_set.energy_gradient(coordinates, out=gradient),
         "Hessian": lambda: kernel_set.hessian(coordinates, out=planes),
         "semidefinite Hessian": lambda: kernel_set.hessian(coordinates, semidefinite=True, out=planes),
+        "Hessian times vector": lambda: kernel_set.hessian_vector(coordinates, coordinates, out=gradient),
         "Euler–Lagrange residual": lambda: kernel_set.euler_lagrange_residual(coordinates, None, spacing, out=gradient),
         "Euler–Lagrange Jacobian": lambda: kernel_set.euler_lagrange_jacobian(coordinates, None, spacing, out=jacobian),
         "relaxation sweep": relax,
@@ -140,7 +142,17 @@ def _all_calls(coordinates: Array, count: int) -> Iterator[tuple[str, dict[str, 
     energy, _, gradient = reference.energy_gradient(coordinates)
     assert abs(hand.energy_gradient() - energy) < 1e-11 * abs(energy)
     assert np.abs(hand.gradient - gradient).max() < 1e-10 * np.abs(gradient).max()
-    yield HAND, {"energy": hand.energy, "energy + gradient": hand.energy_gradient}
+    hand.hessian_vector()
+    product = reference.hessian_vector(coordinates, coordinates)
+    assert np.abs(hand.product - product).max() < 1e-10 * np.abs(product).max()
+    yield (
+        HAND,
+        {
+            "energy": hand.energy,
+            "energy + gradient": hand.energy_gradient,
+            "Hessian times vector": hand.hessian_vector,
+        },
+    )
     for name in sorted(gg.functionals()):
         yield name, calls(kernels(gg.functional(name)), coordinates)
 

@@ -51,9 +51,10 @@ class Handwritten:
         self._library = _library("handwritten")
         self._library.winslow_energy.argtypes = [*[ctypes.c_int64] * 2, *[ctypes.c_void_p] * 4, ctypes.c_int64]
         self._library.winslow_energy_gradient.argtypes = [*[ctypes.c_int64] * 2, *[ctypes.c_void_p] * 5, ctypes.c_int64]
+        self._library.winslow_hessian_vector.argtypes = [*[ctypes.c_int64] * 2, *[ctypes.c_void_p] * 4, ctypes.c_int64]
         self._coordinates, self._threads = coordinates, threads
         self._rows = np.empty((2, coordinates.shape[1] - 1))
-        self.gradient = np.empty_like(coordinates)
+        self.gradient, self.product = np.empty_like(coordinates), np.empty_like(coordinates)
 
     def energy(self) -> float:
         """Return the energy."""
@@ -64,6 +65,12 @@ class Handwritten:
         """Return the energy; the gradient is in `gradient`."""
         self._library.winslow_energy_gradient(*self._arguments(), self.gradient.ctypes.data, self._threads)
         return float(self._rows[0].sum())
+
+    def hessian_vector(self) -> None:
+        """Multiply the Hessian by the coordinates; the result is in `product`."""
+        ni, nj, x, y, *_ = self._arguments()
+        vector, product = self._coordinates.ctypes.data, self.product.ctypes.data
+        self._library.winslow_hessian_vector(ni, nj, x, y, vector, product, self._threads)
 
     def _arguments(self) -> tuple[Any, ...]:
         _, ni, nj = self._coordinates.shape

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import sympy
 from sympy import Expr, Symbol
 
-from ..symbolic.coordinates import METRIC, REGULARIZATION
+from ..symbolic.coordinates import ALONG, METRIC, REGULARIZATION
 from .kernel import Assignment, Program, reciprocal
 
 #: Whole powers up to this one become products; larger ones call pow.
@@ -53,7 +53,7 @@ def lower(name: str, inputs: Sequence[Symbol], parameters: Sequence[Symbol], out
 def _definitions(expressions: Iterable[Expr], given: set[Symbol]) -> dict[Symbol, Expr]:
     """Return the definitions of the metric symbols that the expressions need, in order of evaluation."""
     needed = set().union(*(expression.free_symbols for expression in expressions)) - given
-    meanings = {**METRIC, **REGULARIZATION}
+    meanings = {**METRIC, **REGULARIZATION, **ALONG}
     for symbol in reversed(list(meanings)):
         if symbol in needed:
             needed |= meanings[symbol].free_symbols

@@ -12,7 +12,9 @@ from ..functionals.definition import Functional
 from ..symbolic.classify import equation_type
 from ..symbolic.continuous import EulerLagrange, euler_lagrange, residual_slopes
 from ..symbolic.coordinates import (
+    DIRECTION,
     FIRST_DERIVATIVES,
+    POSITION_DIRECTION,
     SECOND_DERIVATIVES,
     J,
     Variant,
@@ -78,6 +80,15 @@ def _corner_programs(model: CornerModel) -> list[Program]:
     gradient = energy | {f"d{k}": entry for k, entry in enumerate(model.gradient)}
     if model.variant == "differentiated":
         gradient |= {f"p{k}": entry for k, entry in enumerate(model.position_gradient)}
+    moving = model.variant == "differentiated"
+    direction = (*FIRST_DERIVATIVES, *DIRECTION, *(POSITION_DIRECTION if moving else ()), *WEIGHT_PLANES[model.variant])
+    along = {f"d{k}": entry for k, entry in enumerate(model.hessian_vector)}
+    if moving:
+        along |= {f"p{k}": entry for k, entry in enumerate(model.position_hessian_vector)}
+    products = [lower("corner_hessian_vector", direction, model.parameters, along)]
+    if model.splitting.holds:
+        semidefinite = {f"d{k}": entry for k, entry in enumerate(model.semidefinite_hessian_vector)}
+        products.append(lower("corner_semidefinite_vector", direction, model.parameters, semidefinite))
     return [
         lower("corner_energy", inputs, model.parameters, energy),
         lower("corner_gradient", inputs, model.parameters, gradient),
@@ -88,6 +99,7 @@ def _corner_programs(model: CornerModel) -> list[Program]:
             model.parameters,
             _matrix_entries(model.semidefinite_hessian if model.splitting.holds else model.hessian),
         ),
+        *products,
     ]
 
 

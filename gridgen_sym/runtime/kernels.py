@@ -100,6 +100,34 @@ class KernelSet:
         self._call(name, coordinates, weight, planes, interior_only=interior_only)
         return planes
 
+    def hessian_vector(
+        self,
+        coordinates: Array,
+        vector: Array,
+        weight: Array | None = None,
+        *,
+        semidefinite: bool = False,
+        interior_only: bool = False,
+        out: Array | None = None,
+    ) -> Array:
+        """Return the Hessian times a vector (2, ni, nj), without storing the Hessian; with `out`, it is written there.
+
+        Raises:
+            GridgenError: for the semidefinite Hessian of a functional that is not polyconvex: its eigenvalues are
+                clamped, which has no short cut.
+        """
+        if vector.shape != coordinates.shape:
+            raise GridgenError(f"the vector must have the shape {coordinates.shape}; came {vector.shape}")
+        if semidefinite and not self.polyconvex:
+            raise GridgenError(
+                f"{self.functional} is not polyconvex: its semidefinite Hessian must be stored, with "
+                "hessian(semidefinite=True), to be multiplied by a vector"
+            )
+        product = _result(2, coordinates, out)
+        name = "semidefinite_hessian_vector" if semidefinite else "hessian_vector"
+        self._call(name, coordinates, weight, vector, product, interior_only=interior_only)
+        return product
+
     def sweep(
         self,
         coordinates: Array,

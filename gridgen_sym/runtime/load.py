@@ -17,6 +17,8 @@ SIGNATURES = {
     "energy_gradient": "aaaaaa",
     "hessian": "aaaa",
     "semidefinite_hessian": "aaaa",
+    "hessian_vector": "aaaaa",
+    "semidefinite_hessian_vector": "aaaaa",
     "sweep": "aaaaid",
     "euler_lagrange_residual": "aaaa",
     "euler_lagrange_jacobian": "aaaa",

@@ -53,6 +53,23 @@ REGULARIZATION: Mapping[Symbol, Expr] = {
     chi: sympy.Piecewise(((J + root) / 2, J > 0), (epsilon**2 / (2 * (root - J)), True)),
 }
 
+#: A direction in which derivatives are taken: how the edge vectors and (where the weight is differentiated) the
+#: position move.
+DIRECTION = tuple(symbol(f"v_{p}") for p in DERIVATIVE_NAMES)
+POSITION_DIRECTION = v_x, v_y = symbol("v_x"), symbol("v_y")
+
+#: How the metric symbols, and those of the regularised barrier, move along the direction.
+METRIC_ALONG: Mapping[Symbol, Symbol] = {m: symbol(f"along_{m}") for m in (*METRIC, root, chi)}
+_v_x_xi, _v_y_xi, _v_x_eta, _v_y_eta = DIRECTION
+ALONG: Mapping[Symbol, Expr] = {
+    METRIC_ALONG[g11]: 2 * (x_xi * _v_x_xi + y_xi * _v_y_xi),
+    METRIC_ALONG[g22]: 2 * (x_eta * _v_x_eta + y_eta * _v_y_eta),
+    METRIC_ALONG[g12]: x_xi * _v_x_eta + x_eta * _v_x_xi + y_xi * _v_y_eta + y_eta * _v_y_xi,
+    METRIC_ALONG[J]: x_xi * _v_y_eta + y_eta * _v_x_xi - x_eta * _v_y_xi - y_xi * _v_x_eta,
+    METRIC_ALONG[root]: J / root * METRIC_ALONG[J],
+    METRIC_ALONG[chi]: chi / root * METRIC_ALONG[J],
+}
+
 
 def expand_metric(expression: Expr) -> Expr:
     """Return the expression with the metric (and chi) written out in the derivatives of the map."""
@@ -70,6 +87,19 @@ def metric_gradient(m: Symbol) -> tuple[Expr, ...]:
     if m == root:
         return tuple(J / root * entry for entry in metric_gradient(J))
     return tuple(sympy.diff(METRIC[m], p) for p in FIRST_DERIVATIVES)
+
+
+def differentiate_along(expression: Expr) -> Expr:
+    """Differentiate along `DIRECTION`, through the metric symbols and the weight, which moves with the position."""
+    moves = {
+        **dict(zip(FIRST_DERIVATIVES, DIRECTION, strict=True)),
+        **METRIC_ALONG,
+        s: s_x * v_x + s_y * v_y,
+        s_x: s_xx * v_x + s_xy * v_y,
+        s_y: s_xy * v_x + s_yy * v_y,
+    }
+    terms = (sympy.diff(expression, v) * moves[v] for v in moves if v in expression.free_symbols)
+    return sum(terms, sympy.S.Zero)
 
 
 def differentiate(expression: Expr, variable: Symbol) -> Expr:

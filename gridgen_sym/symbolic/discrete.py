@@ -19,9 +19,12 @@ from ..functionals.metric import symbol
 from .coordinates import (
     FIRST_DERIVATIVES,
     METRIC,
+    METRIC_ALONG,
+    POSITION_DIRECTION,
     J,
     Variant,
     chi,
+    differentiate_along,
     epsilon,
     g11,
     g12,
@@ -56,6 +59,10 @@ class CornerModel:
             `variant` is `differentiated`.
         position_cross: 4x2 mixed derivatives (edge vectors, position).
         position_hessian: 2x2 derivatives in the position.
+        hessian_vector: 4 derivatives of `gradient` along `DIRECTION` (and, where the weight is differentiated,
+            `POSITION_DIRECTION`): the Hessian times a vector.
+        semidefinite_hessian_vector: the same of `semidefinite_hessian`.
+        position_hessian_vector: 2 derivatives of `position_gradient` along the same.
     """
 
     functional: Functional
@@ -69,6 +76,9 @@ class CornerModel:
     position_gradient: tuple[Expr, Expr]
     position_cross: sympy.Matrix
     position_hessian: sympy.Matrix
+    hessian_vector: tuple[Expr, ...]
+    semidefinite_hessian_vector: tuple[Expr, ...]
+    position_hessian_vector: tuple[Expr, ...]
 
 
 def variant_density(functional: Functional, variant: Variant) -> Expr:
@@ -126,6 +136,9 @@ def corner_model(functional: Functional, variant: Variant = "plain") -> CornerMo
         position_gradient=(position[0], position[1]),
         position_cross=sympy.Matrix(gradient(density_s)) * weight.T,
         position_hessian=sympy.diff(density_s, s) * weight * weight.T + density_s * weight_second,
+        hessian_vector=hessian_vector(density, weighted=differentiated),
+        semidefinite_hessian_vector=hessian_vector(density, weighted=False, drop_jacobian_curvature=True),
+        position_hessian_vector=tuple(differentiate_along(entry) for entry in position),
     )
 
 
@@ -161,6 +174,32 @@ def hessian(density: Expr, *, drop_jacobian_curvature: bool = False) -> sympy.Ma
         if not (drop_jacobian_curvature and m in (J, chi)):
             result += sympy.diff(density, m) * _metric_hessian(m)
     return result
+
+
+def hessian_vector(density: Expr, *, weighted: bool, drop_jacobian_curvature: bool = False) -> tuple[Expr, ...]:
+    """Return the 4 derivatives of the gradient along a direction: the Hessian times a vector, without the Hessian.
+
+    The gradient is a sum of dF/dm dm; so this is one of d(dF/dm) dm + dF/dm d(dm), whose first factors the four
+    entries share. Without `weighted` the weight is held; `drop_jacobian_curvature` is that of `hessian`.
+    """
+    held = {} if weighted else dict.fromkeys(POSITION_DIRECTION, 0)
+    result = [differentiate_along(sympy.diff(density, p)).subs(held) for p in FIRST_DERIVATIVES]
+    for m in _metric_symbols(density):
+        factor = sympy.diff(density, m)
+        factor_along = differentiate_along(factor).subs(held)
+        curved = not (drop_jacobian_curvature and m in (J, chi))
+        for k, slope in enumerate(metric_gradient(m)):
+            result[k] += factor_along * slope
+            if curved:
+                result[k] += factor * _slope_along(m, k)
+    return tuple(result)
+
+
+def _slope_along(m: Symbol, k: int) -> Expr:
+    """Return how entry k of the gradient of a metric symbol moves; for chi, with chi'' = epsilon²/(2 root³)."""
+    if m == chi:
+        return epsilon**2 / (2 * root**3) * METRIC_ALONG[J] * metric_gradient(J)[k] + chi / root * _slope_along(J, k)
+    return differentiate_along(metric_gradient(m)[k])
 
 
 def _metric_symbols(density: Expr) -> list[Symbol]:

@@ -69,12 +69,26 @@ def corner_expressions(name, variant):
         hessian |= {f"c{p}{q}": model.position_cross[p, q] for p in range(4) for q in range(2)}
         hessian |= {f"q{p}{q}": model.position_hessian[p, q] for p, q in ((0, 0), (0, 1), (1, 1))}
     semidefinite = model.semidefinite_hessian if model.splitting.holds else model.hessian
-    return {
+    products = {"corner_hessian_vector": product_expressions(model, model.hessian, variant == "differentiated")}
+    if model.splitting.holds:
+        products["corner_semidefinite_vector"] = product_expressions(model, semidefinite, moving=False)
+    return products | {
         "corner_energy": energy,
         "corner_gradient": gradient,
         "corner_hessian": hessian,
         "corner_semidefinite": {f"h{p}{q}": semidefinite[p, q] for p, q in triangle},
     }
+
+
+def product_expressions(model, matrix, moving):
+    """Return a Hessian times a vector, from the Hessian's entries; the programs differentiate along the vector."""
+    vector = sympy.Matrix([sympy.Symbol(f"v_{p}", real=True) for p in FIRST_DERIVATIVES])
+    if not moving:
+        return {f"d{k}": entry for k, entry in enumerate(matrix * vector)}
+    place = sympy.Matrix(sympy.symbols("v_x v_y", real=True))
+    edges = matrix * vector + model.position_cross * place
+    nodes = model.position_cross.T * vector + model.position_hessian * place
+    return {f"d{k}": entry for k, entry in enumerate(edges)} | {f"p{k}": entry for k, entry in enumerate(nodes)}
 
 
 def equation_expressions(name, variant):

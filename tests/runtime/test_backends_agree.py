@@ -48,6 +48,13 @@ def results(kernel_set, xy, weight, fixed):
         for semidefinite in (False, True):
             planes = kernel_set.hessian(xy, weight, semidefinite=semidefinite, interior_only=inner)
             yield f"hessian {semidefinite} {inner}", planes
+            if kernel_set.polyconvex or not semidefinite:
+                yield (
+                    f"hessian times vector {semidefinite} {inner}",
+                    kernel_set.hessian_vector(
+                        xy, np.sin(7 * xy), weight, semidefinite=semidefinite, interior_only=inner
+                    ),
+                )
         for color in range(4):
             for floor in (FOLDING, 0.0):
                 swept = xy.copy()
@@ -168,6 +175,7 @@ def written_kernels(kernels, xy):
     return {
         2: [
             lambda out: kernels.energy_gradient(xy, out=out)[2],
+            lambda out: kernels.hessian_vector(xy, np.sin(xy), out=out),
             lambda out: kernels.euler_lagrange_residual(xy, None, SPACING, out=out),
         ],
         19: [lambda out: kernels.hessian(xy, out=out), lambda out: kernels.hessian(xy, semidefinite=True, out=out)],
@@ -212,6 +220,16 @@ def test_a_weight_of_the_wrong_shape_is_refused(backend, shape):
 def test_a_missing_weight_is_refused(backend):
     with pytest.raises(ValueError, match="weight of area must have the shape"):
         kernel_set("area", "frozen", backend).energy(random_grid(5, 6))
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_a_vector_that_does_not_fit_is_refused(backend):
+    with pytest.raises(ValueError, match=r"the vector must have the shape \(2, 5, 6\); came \(2, 6, 5\)"):
+        kernel_set("area", "plain", backend).hessian_vector(random_grid(5, 6), random_grid(6, 5))
+    with pytest.raises(ValueError, match="kernel hessian_vector needs C-contiguous arrays"):
+        kernel_set("area", "plain", backend).hessian_vector(random_grid(5, 6), random_grid(6, 5).transpose(0, 2, 1))
+    with pytest.raises(ValueError, match="knupp is not polyconvex: its semidefinite Hessian must be stored"):
+        kernel_set("knupp", "plain", backend).hessian_vector(random_grid(5, 6), random_grid(5, 6), semidefinite=True)
 
 
 @pytest.mark.parametrize("backend", ["c", "numpy"])

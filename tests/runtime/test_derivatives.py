@@ -18,6 +18,7 @@ from support import (
 
 from gridgen_sym.functionals import functional
 from gridgen_sym.runtime import find_compiler
+from gridgen_sym.runtime.load import Block
 
 BACKEND = "c" if find_compiler() else "numpy"
 SIZE = (4, 5)
@@ -77,6 +78,67 @@ def test_the_hessian_is_the_slope_of_the_gradient(case, inner):
     broken = hessian.copy()
     broken[7, 7] *= -1
     assert relative_difference(broken, expected) > 1e-7
+
+
+@pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
+@pytest.mark.parametrize("case", CASES, ids=case_name)
+def test_the_hessian_times_a_vector(case, inner):
+    """It is the stored Hessian times the vector, and how the gradient changes along the vector."""
+    kernels, xy = kernel_set(*case, BACKEND), grid_of(case, (5, 67))
+    weight, vector = moving_weight(case, xy), np.random.default_rng(3).normal(size=xy.shape)
+    for semidefinite in (False, True) if kernels.polyconvex else (False,):
+        planes = kernels.hessian(xy, weight, semidefinite=semidefinite, interior_only=inner)
+        expected = (dense_hessian(planes) @ vector.ravel()).reshape(xy.shape)
+        product = kernels.hessian_vector(xy, vector, weight, semidefinite=semidefinite, interior_only=inner)
+        assert relative_difference(product, expected) < 1e-13
+        assert relative_difference(product, -expected) > 1
+
+    def gradient(steps):
+        at = xy + steps * STEP * vector
+        return kernels.energy_gradient(at, moving_weight(case, at), interior_only=inner)[2]
+
+    product = kernels.hessian_vector(xy, vector, weight, interior_only=inner)
+    change = (8 * (gradient(1) - gradient(-1)) - (gradient(2) - gradient(-2))) / (12 * STEP)
+    assert relative_difference(product, change) < 1e-7
+
+
+# ---- a block of a larger grid: its own rows, strides that are not its width, and a halo of one node ----
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case[1] != "regularized"], ids=case_name)
+def test_a_block_with_a_halo_gives_the_rows_of_the_whole(case):
+    """What the ranks of a distributed engine will ask for; C only, for NumPy has no strides of its own."""
+    if BACKEND != "c":
+        pytest.skip("needs a C compiler")
+    kernels, xy = kernel_set(*case, "c"), grid_of(case, (9, 70))
+    ni, nj, plane = 5, 66, 9 * 70
+    weight, vector = moving_weight(case, xy), np.random.default_rng(3).normal(size=xy.shape)
+    weights = np.empty(0) if weight is None else weight
+    offset = 8 * (2 * 70 + 3)
+    block = Block(ni, nj, 1, ni - 1, 70, plane, 0, 1, 1.0, 1.0)
+    whole = {
+        "energy_gradient": (2, kernels.energy_gradient(xy, weight)[2]),
+        "hessian": (19, kernels.hessian(xy, weight)),
+        "semidefinite_hessian": (19, kernels.hessian(xy, weight, semidefinite=True)),
+        "hessian_vector": (2, kernels.hessian_vector(xy, vector, weight)),
+    }
+    inside = np.s_[:, 3:6, 4:68]
+    for name, (count, expected) in whole.items():
+        result, rows = np.full((count, 9, 70), np.nan), np.empty((2, ni))
+        between = {
+            "energy_gradient": [rows[0].ctypes.data, rows[1].ctypes.data],
+            "hessian_vector": [at(vector, offset)],
+        }
+        kernels._functions[name](block, at(xy, offset), at(weights, offset), kernels._parameters,
+                                 *between.get(name, []), at(result, offset))  # fmt: skip
+        assert relative_difference(result[inside], expected[inside]) < 1e-13
+        assert np.isnan(result[:, :3]).all()
+        assert np.isnan(result[:, 6:]).all()
+
+
+def at(array, offset):
+    """Return the address of a block's first node."""
+    return array.ctypes.data + offset
 
 
 @pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
