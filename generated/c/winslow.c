@@ -1273,129 +1273,212 @@ EXPORT void winslow_semidefinite_hessian_vector(const Block *block, const double
 /* ---- node sweep: one damped Newton step on the local energy of every free node of one color ----
  *
  * The local energy of a node is the sum over the 12 corners that contain it: for each of its four cells its own
- * corner and those at its neighbors along xi and along eta.
+ * corner and those at its neighbors along xi and along eta. Nodes of a color in a row are worked on in groups.
  */
 
-/* Edge vectors of a cell of node n placed at (px, py): a, b at the node; c, d opposite to them. */
-/* Energy with node (i, j) at (px, py), and the Jacobians of the 12 corners that contain it. */
-static double local_energy(const Block *block, int64_t i, int64_t j, double px, double py, const double *x, const double *y,
-                           const double *w, const double *parameters, double jacobian[12]) {
-  const int64_t stride = block->stride, plane = block->plane, n = i * stride + j;
+enum { GROUP = 32, OWN = 4 };
+
+/* Every second node of a row, from (i, j) on, and their neighbors in the order (i-1, j-1), (i-1, j), ..., (i+1, j+1). */
+typedef struct {
+  int64_t i, j, count;
+  double x[9][GROUP], y[9][GROUP];
+} Nodes;
+
+static void read_nodes(const Block *block, const double *restrict x, const double *restrict y, const double *restrict w,
+                       Nodes *restrict nodes) {
+  const int64_t stride = block->stride, plane = block->plane;
   (void)w, (void)plane;
-  double energy = 0.0;
-  for (int cell = 0; cell < 4; ++cell) {
-    const int sx = cell & 1 ? 1 : -1, sy = cell & 2 ? 1 : -1;
-    const int64_t e = n + sx * stride, f = n + sy, o = n + sx * stride + sy;
-    const double ax = sx * (x[e] - px), ay = sx * (y[e] - py), bx = sy * (x[f] - px), by = sy * (y[f] - py);
-    const double cx = sx * (x[o] - x[f]), cy = sx * (y[o] - y[f]), dx = sy * (x[o] - x[e]), dy = sy * (y[o] - y[e]);
-    const int along_xi = !block->interior_only || (i + sx > 0 && i + sx < block->ni - 1);
-    const int along_eta = !block->interior_only || (j + sy > 0 && j + sy < block->nj - 1);
-    const corner_energy_values own = corner_energy(ax, ay, bx, by, parameters);
-    energy += own.energy;
-    jacobian[3 * cell] = own.jacobian;
-    const corner_energy_values next_xi = corner_energy(ax, ay, dx, dy, parameters);
-    if (along_xi) energy += next_xi.energy;
-    jacobian[3 * cell + 1] = next_xi.jacobian;
-    const corner_energy_values next_eta = corner_energy(cx, cy, bx, by, parameters);
-    if (along_eta) energy += next_eta.energy;
-    jacobian[3 * cell + 2] = next_eta.jacobian;
+  for (int place = 0; place < 9; ++place) {
+    const int64_t n = (nodes->i + place / 3 - 1) * stride + nodes->j + place % 3 - 1;
+#pragma omp simd
+    for (int64_t k = 0; k < nodes->count; ++k) nodes->x[place][k] = x[n + 2 * k], nodes->y[place][k] = y[n + 2 * k];
   }
-  return energy;
 }
 
-/* Gradient g (2) and Hessian h (xx, xy, yy) of the local energy in the position of node (i, j). */
-static void local_derivatives(const Block *block, int64_t i, int64_t j, const double *x, const double *y, const double *w,
-                              const double *parameters, double g[2], double h[3]) {
-  const int64_t stride = block->stride, plane = block->plane, n = i * stride + j;
-  const double px = x[n], py = y[n];
-  (void)w, (void)plane;
-  g[0] = g[1] = h[0] = h[1] = h[2] = 0.0;
+/* A value where it counts, else zero, even if the value is not a number. */
+INLINE double counted(double counts, double value) { return counts > 0.0 ? value : 0.0; }
+
+/* A cell of the nodes: its other nodes e, f, o along xi, along eta and opposite, and whether the corner at e counts. */
+/* Its edge vectors, with the node at (px, py): a, b at the node; c, d opposite to them; whether the corner at f counts. */
+/* Energies with the nodes at (px, py), and the Jacobians of the 12 corners that contain each. */
+APART void local_energies(const Block *block, const Nodes *restrict nodes, const double *restrict px,
+                          const double *restrict py, const double *restrict parameters, double *restrict energy,
+                          double (*restrict jacobian)[GROUP]) {
+  for (int64_t k = 0; k < nodes->count; ++k) energy[k] = 0.0;
   for (int cell = 0; cell < 4; ++cell) {
-    const int sx = cell & 1 ? 1 : -1, sy = cell & 2 ? 1 : -1;
-    const int64_t e = n + sx * stride, f = n + sy, o = n + sx * stride + sy;
-    const double ax = sx * (x[e] - px), ay = sx * (y[e] - py), bx = sy * (x[f] - px), by = sy * (y[f] - py);
-    const double cx = sx * (x[o] - x[f]), cy = sx * (y[o] - y[f]), dx = sy * (x[o] - x[e]), dy = sy * (y[o] - y[e]);
-    const int along_xi = !block->interior_only || (i + sx > 0 && i + sx < block->ni - 1);
-    const int along_eta = !block->interior_only || (j + sy > 0 && j + sy < block->nj - 1);
-    const corner_hessian_values own = corner_hessian(ax, ay, bx, by, parameters);
+    const double sx = cell & 1 ? 1.0 : -1.0, sy = cell & 2 ? 1.0 : -1.0;
+    const int e = cell & 1 ? OWN + 3 : OWN - 3, f = cell & 2 ? OWN + 1 : OWN - 1, o = e + f - OWN;
+    const int64_t row = cell & 1 ? nodes->i + 1 : nodes->i - 1, column = cell & 2 ? nodes->j + 1 : nodes->j - 1;
+    const double along_xi = !block->interior_only || (row > 0 && row < block->ni - 1) ? 1.0 : 0.0;
+    double inside[GROUP];
+    for (int64_t k = 0; k < nodes->count; ++k)
+      inside[k] = !block->interior_only || (column + 2 * k > 0 && column + 2 * k < block->nj - 1) ? 1.0 : 0.0;
+    const double *restrict ex = nodes->x[e], *restrict ey = nodes->y[e], *restrict fx = nodes->x[f], *restrict fy = nodes->y[f];
+    const double *restrict ox = nodes->x[o], *restrict oy = nodes->y[o];
+
+#pragma omp simd
+    for (int64_t k = 0; k < nodes->count; ++k) {
+      const double ax = sx * (ex[k] - px[k]), ay = sx * (ey[k] - py[k]), bx = sy * (fx[k] - px[k]), by = sy * (fy[k] - py[k]);
+      const double cx = sx * (ox[k] - fx[k]), cy = sx * (oy[k] - fy[k]), dx = sy * (ox[k] - ex[k]), dy = sy * (oy[k] - ey[k]);
+      const double along_eta = inside[k];
+      const corner_energy_values own = corner_energy(ax, ay, bx, by, parameters);
+      const corner_energy_values next_xi = corner_energy(ax, ay, dx, dy, parameters);
+      const corner_energy_values next_eta = corner_energy(cx, cy, bx, by, parameters);
+      energy[k] += own.energy + counted(along_xi, next_xi.energy) + counted(along_eta, next_eta.energy);
+      jacobian[3 * cell][k] = own.jacobian;
+      jacobian[3 * cell + 1][k] = next_xi.jacobian;
+      jacobian[3 * cell + 2][k] = next_eta.jacobian;
+    }
+  }
+}
+
+/* Gradients g (2) and Hessians h (xx, xy, yy) of the local energies in the positions of the nodes. */
+APART void local_derivatives(const Block *block, const Nodes *restrict nodes, const double *restrict parameters,
+                             double (*restrict g)[GROUP], double (*restrict h)[GROUP]) {
+  const double *restrict px = nodes->x[OWN], *restrict py = nodes->y[OWN];
+  for (int64_t k = 0; k < nodes->count; ++k) g[0][k] = g[1][k] = h[0][k] = h[1][k] = h[2][k] = 0.0;
+  for (int cell = 0; cell < 4; ++cell) {
+    const double sx = cell & 1 ? 1.0 : -1.0, sy = cell & 2 ? 1.0 : -1.0;
+    const int e = cell & 1 ? OWN + 3 : OWN - 3, f = cell & 2 ? OWN + 1 : OWN - 1, o = e + f - OWN;
+    const int64_t row = cell & 1 ? nodes->i + 1 : nodes->i - 1, column = cell & 2 ? nodes->j + 1 : nodes->j - 1;
+    const double along_xi = !block->interior_only || (row > 0 && row < block->ni - 1) ? 1.0 : 0.0;
+    double inside[GROUP];
+    for (int64_t k = 0; k < nodes->count; ++k)
+      inside[k] = !block->interior_only || (column + 2 * k > 0 && column + 2 * k < block->nj - 1) ? 1.0 : 0.0;
+    const double *restrict ex = nodes->x[e], *restrict ey = nodes->y[e], *restrict fx = nodes->x[f], *restrict fy = nodes->y[f];
+    const double *restrict ox = nodes->x[o], *restrict oy = nodes->y[o];
+
     const double both = sx * sy;
-    g[0] -= sx * own.d0 + sy * own.d2;
-    g[1] -= sx * own.d1 + sy * own.d3;
-    h[0] += own.h00 + own.h22 + both * (own.h02 + own.h02);
-    h[1] += own.h01 + own.h23 + both * (own.h03 + own.h12);
-    h[2] += own.h11 + own.h33 + both * (own.h13 + own.h13);
-    if (along_xi) {
-      const corner_hessian_values next = corner_hessian(ax, ay, dx, dy, parameters);
-      g[0] -= sx * next.d0, g[1] -= sx * next.d1;
-      h[0] += next.h00, h[1] += next.h01, h[2] += next.h11;
-    }
-    if (along_eta) {
-      const corner_hessian_values next = corner_hessian(cx, cy, bx, by, parameters);
-      g[0] -= sy * next.d2, g[1] -= sy * next.d3;
-      h[0] += next.h22, h[1] += next.h23, h[2] += next.h33;
+#pragma omp simd
+    for (int64_t k = 0; k < nodes->count; ++k) {
+      const double ax = sx * (ex[k] - px[k]), ay = sx * (ey[k] - py[k]), bx = sy * (fx[k] - px[k]), by = sy * (fy[k] - py[k]);
+      const double cx = sx * (ox[k] - fx[k]), cy = sx * (oy[k] - fy[k]), dx = sy * (ox[k] - ex[k]), dy = sy * (oy[k] - ey[k]);
+      const double along_eta = inside[k];
+      const corner_hessian_values own = corner_hessian(ax, ay, bx, by, parameters);
+      const corner_hessian_values xi = corner_hessian(ax, ay, dx, dy, parameters);
+      const corner_hessian_values eta = corner_hessian(cx, cy, bx, by, parameters);
+      double gx = sx * own.d0 + sy * own.d2, gy = sx * own.d1 + sy * own.d3;
+      double hxx = own.h00 + own.h22 + both * (own.h02 + own.h02);
+      double hxy = own.h01 + own.h23 + both * (own.h03 + own.h12);
+      double hyy = own.h11 + own.h33 + both * (own.h13 + own.h13);
+      gx += counted(along_xi, sx * xi.d0) + counted(along_eta, sy * eta.d2);
+      gy += counted(along_xi, sx * xi.d1) + counted(along_eta, sy * eta.d3);
+      hxx += counted(along_xi, xi.h00) + counted(along_eta, eta.h22);
+      hxy += counted(along_xi, xi.h01) + counted(along_eta, eta.h23);
+      hyy += counted(along_xi, xi.h11) + counted(along_eta, eta.h33);
+      g[0][k] -= gx, g[1][k] -= gy;
+      h[0][k] += hxx, h[1][k] += hxy, h[2][k] += hyy;
     }
   }
 }
 
-/* Newton direction with the absolute values of the Hessian's eigenvalues, so that it always leads downhill. */
-static int descent_direction(const double g[2], const double h[3], double d[2]) {
-  const double mean = 0.5 * (h[0] + h[2]), half = 0.5 * (h[0] - h[2]), radius = sqrt(half * half + h[1] * h[1]);
-  const double high = mean + radius, low = mean - radius;
-  const double floor = 1e-10 * fmax(fabs(high), fabs(low));
-  const double high_used = fmax(fabs(high), floor), low_used = fmax(fabs(low), floor);
-  /* alpha h + beta 1 has the eigenvalues high_used and low_used. */
-  const double alpha = high > low ? (high_used - low_used) / (high - low) : 0.0;
-  const double beta = high_used - alpha * high;
-  const double hxx = alpha * h[0] + beta, hxy = alpha * h[1], hyy = alpha * h[2] + beta;
-  const double determinant = high_used * low_used;
-  if (!(determinant > 0.0)) return 0;
-  d[0] = -(hyy * g[0] - hxy * g[1]) / determinant;
-  d[1] = -(hxx * g[1] - hxy * g[0]) / determinant;
-  return 1;
+/* Newton directions with the absolute values of the Hessians' eigenvalues, so that they always lead downhill; `waiting` is
+ * cleared where there is none. Returns how many have one. */
+APART int64_t descent_directions(int64_t count, double (*restrict g)[GROUP], double (*restrict h)[GROUP],
+                                 double (*restrict d)[GROUP], double *restrict slope, int64_t *restrict waiting) {
+  int64_t left = 0;
+#pragma omp simd reduction(+ : left)
+  for (int64_t k = 0; k < count; ++k) {
+    const double mean = 0.5 * (h[0][k] + h[2][k]), half = 0.5 * (h[0][k] - h[2][k]);
+    const double radius = sqrt(half * half + h[1][k] * h[1][k]), high = mean + radius, low = mean - radius;
+    const double floor = 1e-10 * (fabs(high) > fabs(low) ? fabs(high) : fabs(low));
+    const double high_used = fabs(high) > floor ? fabs(high) : floor, low_used = fabs(low) > floor ? fabs(low) : floor;
+    /* alpha h + beta 1 has the eigenvalues high_used and low_used. */
+    const double alpha = high > low ? (high_used - low_used) / (high - low) : 0.0;
+    const double beta = high_used - alpha * high;
+    const double hxx = alpha * h[0][k] + beta, hxy = alpha * h[1][k], hyy = alpha * h[2][k] + beta;
+    const double determinant = high_used * low_used;
+    d[0][k] = -(hyy * g[0][k] - hxy * g[1][k]) / determinant;
+    d[1][k] = -(hxx * g[1][k] - hxy * g[0][k]) / determinant;
+    slope[k] = g[0][k] * d[0][k] + g[1][k] * d[1][k];
+    waiting[k] = waiting[k] && determinant > 0.0;
+    left += waiting[k];
+  }
+  return left;
 }
 
-/* Whether a step takes a corner that was valid below the floor, or more than nine tenths of its Jacobian at once, after
- * which nodes would jam against each other. */
-static int folds(const double before[12], const double after[12], double floor) {
-  for (int k = 0; k < 12; ++k)
-    if (before[k] > floor && !(after[k] > floor && after[k] > 0.1 * before[k])) return 1;
-  return 0;
+/* A state of the nodes: their places, their energies and the Jacobians of their 12 corners. */
+typedef struct {
+  double x[GROUP], y[GROUP], energy[GROUP], jacobian[12][GROUP];
+} State;
+
+/* Keep the steps of a length that lower the energy enough and fold no corner: none that was valid goes below the floor, or
+ * loses more than nine tenths of its Jacobian at once, after which nodes would jam. Returns how many nodes still wait. */
+APART int64_t accept_steps(int64_t count, double length, double floor, const State *restrict before,
+                           const State *restrict after, const double *restrict slope, int64_t *restrict waiting,
+                           double *restrict x, double *restrict y) {
+  int64_t folds[GROUP] = {0}, left = 0;
+  for (int corner = 0; corner < 12 && floor >= 0.0; ++corner)
+#pragma omp simd
+    for (int64_t k = 0; k < count; ++k) {
+      const double old = before->jacobian[corner][k], new = after->jacobian[corner][k];
+      folds[k] |= (old > floor) & !((new > floor) & (new > 0.1 * old));
+    }
+#pragma omp simd reduction(+ : left)
+  for (int64_t k = 0; k < count; ++k) {
+    const double round_off = 8.0 * DBL_EPSILON * fabs(before->energy[k]);
+    const int64_t lower_energy = after->energy[k] <= before->energy[k] + 1e-4 * length * slope[k] + round_off;
+    const int64_t accepted = waiting[k] & lower_energy & !folds[k];
+    x[k] = accepted ? after->x[k] : x[k], y[k] = accepted ? after->y[k] : y[k];
+    waiting[k] &= !accepted;
+    left += waiting[k];
+  }
+  return left;
 }
 
-static void sweep_row(const Block *block, int64_t i, int64_t color, double *x, double *y, const double *w,
-                      const double *parameters, const uint8_t *fixed, double floor) {
-  for (int64_t j = 1 + ((color >> 1) + 1) % 2; j < block->nj - 1; j += 2) {
-    const int64_t n = i * block->stride + j;
-    double g[2], h[3], d[2];
-    if (fixed[i * block->nj + j]) continue;
-    local_derivatives(block, i, j, x, y, w, parameters, g, h);
-    if (!descent_direction(g, h, d)) continue;
-    double before[12], after[12];
-    const double energy = local_energy(block, i, j, x[n], y[n], x, y, w, parameters, before);
-    const double slope = g[0] * d[0] + g[1] * d[1], round_off = 8.0 * DBL_EPSILON * fabs(energy);
-    double step = 1.0;
-    for (int halving = 0; halving < 30; ++halving, step *= 0.5) {
-      const double px = x[n] + step * d[0], py = y[n] + step * d[1];
-      const double trial = local_energy(block, i, j, px, py, x, y, w, parameters, after);
-      if (trial <= energy + 1e-4 * step * slope + round_off && !(floor >= 0.0 && folds(before, after, floor))) {
-        x[n] = px, y[n] = py;
-        break;
+/* Move the nodes of a group for which `waiting` is 1; returns the largest component of a step, taken or longer than `reach`. */
+static double sweep_group(const Block *block, Nodes *restrict nodes, const double *parameters, double floor, double reach,
+                          int64_t *restrict waiting, double *restrict x, double *restrict y) {
+  const int64_t count = nodes->count;
+  double g[2][GROUP], h[3][GROUP], d[2][GROUP], slope[GROUP], length = 1.0, largest = 0.0;
+  State before, after;
+  local_derivatives(block, nodes, parameters, g, h);
+  int64_t left = descent_directions(count, g, h, d, slope, waiting);
+  for (int64_t k = 0; k < count; ++k) before.x[k] = x[k] = nodes->x[OWN][k], before.y[k] = y[k] = nodes->y[OWN][k];
+  local_energies(block, nodes, before.x, before.y, parameters, before.energy, before.jacobian);
+  for (int halving = 0; halving < 30 && left; ++halving, length *= 0.5) {
+#pragma omp simd
+    for (int64_t k = 0; k < count; ++k) after.x[k] = before.x[k] + length * d[0][k], after.y[k] = before.y[k] + length * d[1][k];
+    local_energies(block, nodes, after.x, after.y, parameters, after.energy, after.jacobian);
+    left = accept_steps(count, length, floor, &before, &after, slope, waiting, x, y);
+  }
+  for (int64_t k = 0; k < count; ++k) {
+    const double step = fmax(fabs(x[k] - before.x[k]), fabs(y[k] - before.y[k]));
+    largest = fmax(largest, step);
+    /* The energy has no lower bound there: the caller is told, and the node stays. */
+    if (!(step < reach)) x[k] = before.x[k], y[k] = before.y[k];
+  }
+  return largest;
+}
+
+static void sweep_rows(const Block *block, int64_t first, int64_t last, int64_t color, double *x, double *y,
+                       const double *w, const double *parameters, const uint8_t *fixed, double floor, double reach,
+                       double *row_step) {
+  for (int64_t i = larger(first, 1); i < smaller(last, block->ni - 1); ++i) {
+    if (i % 2 != color % 2) continue;
+    for (int64_t j = 1 + ((color >> 1) + 1) % 2; j < block->nj - 1; j += 2 * GROUP) {
+      Nodes nodes;
+      double to_x[GROUP], to_y[GROUP];
+      int64_t waiting[GROUP], some = 0;
+      nodes.i = i, nodes.j = j, nodes.count = smaller(GROUP, (block->nj - j) / 2);
+      for (int64_t k = 0; k < nodes.count; ++k) some += waiting[k] = !fixed[i * block->nj + j + 2 * k];
+      if (!some) continue;
+      read_nodes(block, x, y, w, &nodes);
+      row_step[i] = fmax(row_step[i], sweep_group(block, &nodes, parameters, floor, reach, waiting, to_x, to_y));
+      for (int64_t k = 0; k < nodes.count; ++k) {
+        const int64_t n = i * block->stride + j + 2 * k;
+        x[n] = to_x[k], y[n] = to_y[k];
       }
     }
   }
 }
 
-static void sweep_rows(const Block *block, int64_t first, int64_t last, int64_t color, double *x, double *y,
-                       const double *w, const double *parameters, const uint8_t *fixed, double floor) {
-  for (int64_t i = larger(first, 1); i < smaller(last, block->ni - 1); ++i)
-    if (i % 2 == color % 2) sweep_row(block, i, color, x, y, w, parameters, fixed, floor);
-}
-
-/* Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold. */
+/* Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold. A
+ * step longer than `reach` is not taken; row_step keeps the largest component of a step of each row. */
 EXPORT void winslow_sweep(const Block *block, double *coordinates, const double *weight, const double *parameters,
-                 const uint8_t *fixed, int64_t color, double floor) {
+                 const uint8_t *fixed, int64_t color, double floor, double reach, double *row_step) {
   FOR_ROWS(sweep_rows(block, first, last, color, coordinates, coordinates + block->plane, weight, parameters, fixed,
-                      floor))
+                      floor, reach, row_step))
 }
 
 /* ---- Euler-Lagrange equations by central differences, at the nodes inside the block ---- */

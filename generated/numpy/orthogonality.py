@@ -774,8 +774,11 @@ def folds(before, after, floor):
     return ((before > floor) & ~((after > floor) & (after > 0.1 * before))).any(axis=0)
 
 
-def orthogonality_sweep(block, coordinates, weight, parameters, fixed, color, floor):
-    """Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold."""
+def orthogonality_sweep(block, coordinates, weight, parameters, fixed, color, floor, reach, row_step):
+    """Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold.
+
+    A step longer than `reach` is not taken; row_step keeps the largest component of a step of each row.
+    """
     i, j = np.nonzero(fixed == 0)
     inside = (i >= max(block.row_begin, 1)) & (i < min(block.row_end, block.ni - 1)) & (j > 0) & (j < block.nj - 1)
     chosen = inside & (i % 2 == color % 2) & (j % 2 == color // 2)
@@ -798,7 +801,10 @@ def orthogonality_sweep(block, coordinates, weight, parameters, fixed, color, fl
             result[:, accepted] = place[:, accepted]
             waiting &= ~accepted
             step *= 0.5
-        coordinates[:, i, j] = result
+        moved = np.abs(result - start).max(axis=0)
+        np.maximum.at(row_step, i, moved)
+        # Where the energy has no lower bound, the caller is told, and the node stays.
+        coordinates[:, i, j] = np.where(moved < reach, result, start)
 
 
 # ---- Euler-Lagrange equations by central differences, at the nodes inside the block ----

@@ -136,13 +136,19 @@ class KernelSet:
         color: int,
         *,
         floor: float,
+        reach: float = np.inf,
         interior_only: bool = False,
-    ) -> None:
+    ) -> float:
         """Move every free node of a color (i % 2 + 2 (j % 2)) by one damped Newton step on its local energy.
 
         No step takes the Jacobian of a corner from above `floor` to below it; a negative floor lets cells fold.
+
+        Returns:
+            The largest component of a step; a node whose step would be `reach` or more stays, but is counted.
         """
-        self._call("sweep", coordinates, weight, fixed, color, floor, interior_only=interior_only)
+        steps = np.zeros(coordinates.shape[1])
+        self._call("sweep", coordinates, weight, fixed, color, floor, reach, steps, interior_only=interior_only)
+        return float(steps.max())
 
     def euler_lagrange_residual(
         self,

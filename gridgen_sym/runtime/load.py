@@ -19,7 +19,7 @@ SIGNATURES = {
     "semidefinite_hessian": "aaaa",
     "hessian_vector": "aaaaa",
     "semidefinite_hessian_vector": "aaaaa",
-    "sweep": "aaaaid",
+    "sweep": "aaaaidda",
     "euler_lagrange_residual": "aaaa",
     "euler_lagrange_jacobian": "aaaa",
     "euler_lagrange_frozen_jacobian": "aaaa",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..runtime import Array
-from .problem import Problem, converged_message, diverges, jacobian_floor, norm_of
+from .problem import Problem, converged_message, jacobian_floor, norm_of
 from .progress import Progress
 
 COLORS = 4
@@ -33,7 +33,8 @@ def sweep_until_converged(
     norm = norm_of(gradient)
     first = min(norm, problem.gradient_scale(coordinates, energy) or norm)
     progress.step(0, energy, norm, smallest)
-    extent = float(np.ptp(coordinates))
+    # A node that goes farther in one step has left the domain for good.
+    reach = 1e3 * float(np.ptp(coordinates))
     guard = keep_valid or problem.kernels.barrier
     # On a folded start there is no validity to keep, and corners that cannot be mended would hold all others back.
     floor = jacobian_floor(smallest) if guard and smallest > 0 else -1.0
@@ -43,19 +44,19 @@ def sweep_until_converged(
             return True, converged_message("gradient", norm, first, iteration)
         if iteration == max_iterations:
             break
-        before = coordinates.copy()
-        for color in range(COLORS):
+        step = max(
             problem.kernels.sweep(
                 coordinates,
                 problem.weights(coordinates),
                 problem.fixed,
                 color,
                 floor=floor,
+                reach=reach,
                 interior_only=problem.interior_only,
             )
-        step = coordinates - before
-        if diverges(step, extent):
-            coordinates[...] = before
+            for color in range(COLORS)
+        )
+        if step >= reach:
             return (
                 False,
                 "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid.",
@@ -64,7 +65,7 @@ def sweep_until_converged(
         energy, smallest, gradient = problem.energy_gradient(coordinates, out=gradient)
         norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
-        if not step.any():
+        if step == 0:
             return False, (
                 f"no node can move to a lower local energy{' without folding a cell' if guard else ''}, and the "
                 f"gradient's norm is {norm:.2e}, {norm / first:.1e} of its first value."

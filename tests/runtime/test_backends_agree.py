@@ -159,7 +159,7 @@ def test_one_and_two_threads_give_the_same_bytes(monkeypatch):
 def test_a_wrong_number_is_objected_to():
     """The comparison above can fail: kernels of two functionals differ, and one changed entry is seen."""
     xy, fixed = random_grid(5, 65), fixed_nodes(5, 65)
-    assert objections(kernel_set("liao", "plain", "c"), kernel_set("knupp"), xy, None, fixed)
+    assert objections(kernel_set("liao", "plain", "c"), kernel_set("length"), xy, None, fixed)
     gradient = kernel_set("liao").energy_gradient(xy)[2]
     changed = gradient.copy()
     changed[1, 2, 64] *= 1 + 1e-9
