@@ -167,13 +167,15 @@ class _Run:
 
     def result(self, converged: bool, message: str, interrupted: bool) -> AdaptResult:
         """Return what was found."""
-        first, last = self.history[0].error, self.history[-1].error
+        if self.monitor.measure != "values":  # There the density was given, and no solution.
+            first, last = self.history[0].error, self.history[-1].error
+            message += f" The estimated error of interpolation was {first:.2e}, now it is {last:.2e}."
         return AdaptResult(
             grid=self.grid,
             values=self.values,
             density=self.density,
             converged=converged,
-            message=f"{message} The estimated error of interpolation was {first:.2e}, now it is {last:.2e}.",
+            message=message,
             history=tuple(self.history),
             before=equidistribution(self.start, grid_field(self.grid, self.density)(self.start.x, self.start.y)),
             after=equidistribution(self.grid, self.density),
