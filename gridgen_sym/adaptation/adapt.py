@@ -82,7 +82,7 @@ def adapt(
         GridgenError: for input that cannot be used, for a folded start that cannot be untangled, and for a solution
             that is not finite or of another shape.
     """
-    _check(grid, steps, moves, damping, tolerance, boundary)
+    _check(grid, steps, moves, damping, tolerance, boundary, callback)
     definition = find_functional(functional)
     law = law_of(definition.name, power)
     source = source_of(solution, grid)
@@ -193,7 +193,15 @@ def _valid_start(grid: Grid, fixed: npt.ArrayLike | None, backend: str | None) -
     return mended.grid, "The start was folded and was untangled first: "
 
 
-def _check(grid: Grid, steps: int, moves: int | None, damping: float, tolerance: float, boundary: str) -> None:
+def _check(
+    grid: Grid,
+    steps: int,
+    moves: int | None,
+    damping: float,
+    tolerance: float,
+    boundary: str,
+    callback: Callback | None,
+) -> None:
     """Refuse arguments that mean nothing."""
     if not isinstance(grid, Grid):
         raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
@@ -205,3 +213,5 @@ def _check(grid: Grid, steps: int, moves: int | None, damping: float, tolerance:
             raise GridgenError(f"{name} must be a number above 0 and at most 1; came {number!r}")
     if boundary not in get_args(Boundary):
         raise GridgenError(f"unknown boundary {boundary!r}: it is one of {', '.join(get_args(Boundary))}")
+    if callback is not None and not callable(callback):
+        raise GridgenError(f"callback must be a function of one AdaptStep; came {callback!r}")

@@ -43,6 +43,17 @@ def test_the_boundary_may_stay(name):
     assert interpolation_error(result.grid, function) < 0.4 * interpolation_error(square(), function)
 
 
+def test_nodes_on_straight_sides_are_equidistributed_too():
+    result = gg.adapt(square(), shock)
+    for side in (np.s_[:, 0], np.s_[0, :]):
+        spacing, density = np.hypot(*np.diff(result.grid.xy[side], axis=0).T), result.density[side]
+        product = spacing * (density[1:] + density[:-1]) / 2
+        assert product.std() / product.mean() < 0.05
+        assert spacing.std() / spacing.mean() > 0.3
+    stays = gg.adapt(square(), shock, boundary="fixed").grid
+    assert interpolation_error(result.grid, shock) < 0.6 * interpolation_error(stays, shock)
+
+
 @pytest.mark.parametrize(("nodes", "most"), [(25, 0.5), (65, 0.25)])
 def test_it_pays_on_other_sizes(nodes, most):
     result = gg.adapt(square(nodes), ring)
@@ -212,6 +223,30 @@ def test_the_history_tells_of_every_step():
     assert np.array_equal(result.values, two_scales(*result.grid.planes))
 
 
+def test_progress_is_shown_where_it_takes_long(monkeypatch):
+    shown = []
+
+    class Status:
+        def start(self):
+            shown.append("start")
+
+        def update(self, text):
+            shown.append(text)
+
+        def stop(self):
+            shown.append("stop")
+
+    monkeypatch.setattr("rich.console.Console.status", lambda console, text: Status())
+    gg.adapt(square(9), ring, steps=1, progress=True)
+    assert not shown, "it did not take long"
+    monkeypatch.setattr("gridgen_sym.adaptation.progress.PATIENCE", -1.0)
+    gg.adapt(square(9), ring, steps=1, progress=False)
+    assert not shown
+    gg.adapt(square(9), ring, steps=1, progress=True)
+    assert (shown[0], shown[-1], len(shown)) == ("start", "stop", 4)
+    assert shown[2].startswith("adapt, area_winslow: step 1, movement")
+
+
 def test_too_few_steps_are_told():
     result = gg.adapt(square(17), ring, steps=2)
     assert not result.converged
@@ -261,6 +296,7 @@ def test_ctrl_c_gives_the_last_grid_whose_solution_is_known():
         ({"moves": 0}, "moves must be a whole number, at least 1; came 0"),
         ({"damping": 0}, "damping must be a number above 0 and at most 1; came 0"),
         ({"tolerance": 2}, "tolerance must be a number above 0"),
+        ({"callback": 3}, "callback must be a function of one AdaptStep; came 3"),
         ({"boundary": "open"}, "unknown boundary 'open': it is one of fixed, straight, all"),
         ({"functional": "areas"}, "Did you mean 'area'"),
         ({"functional": "winslow"}, "how 'winslow' places nodes with a weight is not known"),
