@@ -19,9 +19,10 @@ never folds. The finite-difference equations are another problem. They know the 
 inner nodes only, where the four cells round a node are averaged: they do not see the corners of single cells, and
 they have solutions with J < 0 at them, to which the iteration converges. The horseshoe with R = 4.5 at 20 x 20 cells
 is such a case: its transfinite grid is valid, and the iteration goes from it to a solution of the difference
-equations with more than half of its cells folded: all residuals are zero, and nothing says so. The truncation error
-is to blame: the map stretches the outer boundary by a factor that 20 cells across do not resolve. On finer grids the
-same equations have a valid solution.
+equations with more than half of its cells folded: all residuals are zero, and nothing says so. Nor does a better
+start help: from the valid minimum of the energy, Newton's method on the same equations comes to a point where every
+step towards a solution would fold a cell. The truncation error is to blame: near the tip of the outer boundary, lines
+of the solution are so far apart that a difference across two cells is no derivative.
 
 The discrete functional of this project is a sum over *all* corners of all cells, with an infinite barrier where a
 corner's J is 0. A minimum with J > 0 is therefore a valid grid by construction, on every grid, and not only in the
