@@ -9,6 +9,7 @@ from ..codegen.render import render_page
 from ..functionals import functional, functionals
 from ..symbolic import classify
 from .functional_page import write_functional_page, write_if_changed
+from .paper_pages import write_paper_pages
 
 #: Files of the repository that other pages link to, and the pages of the site that show them.
 _PAGES_OF_FILES = {"../benchmarks/README.md": "benchmarks_method.md", "../CHANGELOG.md": "changelog.md"}
@@ -30,6 +31,7 @@ def _stay_on_the_site(app: Any, page: str, source: list[str]) -> None:  # noqa: 
 def write_pages(docs: Path) -> None:
     """Write every derived page below the folder of the site's sources."""
     _write_functionals(docs / "functionals")
+    write_paper_pages(docs / "paper")
 
 
 def _write_functionals(folder: Path) -> None:
