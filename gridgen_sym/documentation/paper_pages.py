@@ -35,6 +35,12 @@ class Shown:
     derived: tuple[str, ...]
     difference: str
 
+    @property
+    def heading(self) -> str:
+        """Where it stands, without the number of the section."""
+        place = re.sub(r"^Section \d\.\d, ", "", self.verdict.equation.place)
+        return place[0].upper() + place[1:]
+
 
 @dataclass(frozen=True, slots=True)
 class Chapter:
