@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..codegen.render import render_page
-from ..functionals import functional, functionals
+from ..functionals import functional, functionals, is_builtin
 from ..symbolic import classify
 from .functional_page import write_functional_page, write_if_changed
 from .paper_pages import write_paper_pages
@@ -44,7 +44,10 @@ def write_pages(docs: Path) -> None:
 
 def _write_functionals(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
-    found = [classify(functional(name)) for name in functionals()]
+    # A script of the gallery may have defined one of its own by now.
+    found = [classify(functional(name)) for name in functionals() if is_builtin(name)]
     for one in found:
         write_functional_page(one.functional, folder)
+    for page in set(folder.glob("*.md")) - {folder / f"{one.functional.name}.md" for one in found}:
+        page.unlink()
     write_if_changed(folder / "index.md", render_page("functionals_index.md.jinja", found=found))

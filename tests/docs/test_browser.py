@@ -116,7 +116,7 @@ def complaints(browser, address):
             found.append(f"{parameters['response']['status']}: {parameters['response']['url']}")
         if message["method"] == "Network.requestWillBeSent":
             url = parameters["request"]["url"]
-            if not url.startswith((address, "data:", "blob:", "about:", "chrome:")):
+            if not url.startswith((address, "data:", "blob:", "about:", "chrome")):
                 found.append(f"outside: {url}")
     return found
 
