@@ -26,6 +26,7 @@ def gallery_settings(docs: Path) -> dict[str, Any]:
         "abort_on_example_error": True,
         "capture_repr": (),
         "download_all_examples": False,
+        "write_computation_times": False,
         "show_memory": False,
         "show_signature": False,
         "min_reported_time": 3600,

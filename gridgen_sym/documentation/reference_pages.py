@@ -14,6 +14,8 @@ from gridgen_sym.cli import main
 from ..codegen.render import render_page
 from .functional_page import write_if_changed
 
+#: What fits on a page.
+_COLUMNS = 86
 #: Packages of the public names, as a reader looks for them.
 _GROUPS: Mapping[str, str] = {
     "solvers": "Solvers",
@@ -39,7 +41,10 @@ def public_names() -> dict[str, list[tuple[str, str]]]:
         package = value.__module__.split(".")[1]
         kind = "autoexception" if _is_error(value) else "autoclass" if inspect.isclass(value) else "autofunction"
         groups.setdefault(_GROUPS.get(package, package), []).append((kind, name))
-    return {title: names for title, names in groups.items() if names}
+    # What a reader calls comes before what comes back; both in the order of the interface.
+    return {
+        title: sorted(names, key=lambda pair: pair[0] != "autofunction") for title, names in groups.items() if names
+    }
 
 
 def _is_error(value: object) -> bool:
@@ -49,9 +54,9 @@ def _is_error(value: object) -> bool:
 def command_helps() -> list[tuple[str, str]]:
     """Return the name and the help of every command, the program's own first."""
     program = "gridgen-sym"
-    context = click.Context(main, info_name=program, terminal_width=100)
+    context = click.Context(main, info_name=program, terminal_width=_COLUMNS)
     pages = [(program, main.get_help(context))]
     for name, command in main.commands.items():
-        inner = click.Context(command, info_name=name, parent=context, terminal_width=100)
+        inner = click.Context(command, info_name=name, parent=context, terminal_width=_COLUMNS)
         pages.append((f"{program} {name}", command.get_help(inner)))
     return pages

@@ -98,7 +98,9 @@ def test_the_pipeline_page_quotes_what_the_program_holds():
     ]
     known = {line.strip() for line in real.splitlines()}
     assert len(printed) == len(program)
-    assert [line for line in quoted if line.strip() not in known] == []
+    # The decorator is quoted in part, and what silences a tool is left out.
+    starts = [line.strip() for line in quoted if not line.startswith("@")]
+    assert [start for start in starts if not any(line.startswith(start) for line in known)] == []
     assert len(quoted) > 25
 
 
