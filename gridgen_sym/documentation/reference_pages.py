@@ -20,6 +20,7 @@ _COLUMNS = 86
 _GROUPS: Mapping[str, str] = {
     "solvers": "Solvers",
     "grids": "Grids, domains, files and pictures",
+    "adaptation": "Adaptation",
     "functionals": "Functionals",
     "errors": "Errors",
 }
