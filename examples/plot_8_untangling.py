@@ -1,8 +1,9 @@
 """Untangling
 ==========
 
-The length functional pulls grid lines over the headlands of a border and folds cells. A functional with a barrier repairs
-that grid: the barrier is regularized, so that folded cells have a finite energy, and then sharpened until none is left.
+The length functional pulls grid lines over the headlands of a border and folds cells. A functional with a barrier
+repairs that grid: the barrier is regularized, so that folded cells have a finite energy, and then sharpened until no
+folded cell is left.
 """
 
 from pathlib import Path
@@ -22,5 +23,4 @@ assert gg.quality(folded).folded_cells > 20
 assert untangled.converged
 assert smooth.quality.folded_cells == 0
 
-panels = [("length: folded", folded), ("untangled", untangled.grid), ("then smoothed: winslow", smooth.grid)]
-gg.plot_grids(panels, "untangling.png")
+gg.plot_grids([("length: folded", folded), ("untangled and smoothed: winslow", smooth.grid)], "untangling.png")
