@@ -13,8 +13,8 @@ from .metric import Metric
     reference="Section 2.1, with the barrier of Section 2.5",
     use_when="To adapt with a weight: cells are small where it is large, and none folds. `gg.adapt` uses it.",
     avoid_when=(
-        "without a weight, where `winslow` is simpler; and where `s J` must be constant exactly: the little of `winslow` "
-        "takes its share."
+        "without a weight, where `winslow` is simpler; and where `s J` must be constant exactly: the little of "
+        "`winslow` takes its share."
     ),
 )
 def area_winslow(m: Metric, k: float = 0.02) -> Any:  # noqa: ANN401
