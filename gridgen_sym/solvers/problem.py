@@ -260,7 +260,7 @@ def result_of(
 ) -> Result:
     """Return what a solver found, with what must be said of folded cells and of the weight."""
     energy, smallest = problem.energy(coordinates)
-    if not smallest > 0 and "are folded (J" not in message:
+    if not smallest > 0 and "folded (J" not in message:
         folded = int((corner_jacobians(coordinates[0], coordinates[1]) <= 0).any(axis=0).sum())
         message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded."
     return Result(

@@ -55,6 +55,12 @@ class Result:
         """The quality measures of the grid."""
         return quality(self.grid)
 
+    @property
+    def energy_per_corner(self) -> float:
+        """The energy over the number of corners of all cells; for `winslow`, 2 is a grid of squares."""
+        ni, nj = self.grid.shape
+        return self.energy / (4 * (ni - 1) * (nj - 1))
+
     def __str__(self) -> str:
         """Say in one line how it ended."""
         state = "converged" if self.converged else "NOT converged"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..functionals.definition import Functional
-from ..grids import Grid, quality
+from ..grids import Grid, certificates, quality
 from ..runtime import Array
 from .nested import Nested, worth_nesting
 from .problem import Problem, norm_of, result_of
@@ -92,11 +92,12 @@ class Run:
     def could_not_unfold(self) -> str:
         """Return what to tell the user about a grid that stayed folded."""
         self.said = ""
-        folds = quality(Grid.from_planes(*self.coordinates)).describe_folds()
+        grid = Grid.from_planes(*self.coordinates)
+        proofs = [str(proof) for proof in certificates(grid)]
         return (
             f"untangling with {self.functional.name} made no more progress; this is the least folded grid that it "
-            f"found. {folds} If the boundary turns the wrong way there, no valid grid exists: place its nodes or "
-            "corners differently."
+            f"found. {quality(grid).describe_folds()} "
+            + (f"With this boundary {'; '.join(proofs)}." if proofs else "No proof was found that there is none.")
         )
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:

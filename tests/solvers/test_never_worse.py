@@ -1,0 +1,138 @@
+"""Never worse: a valid start gives a valid result, whatever the solver, the functional, or what ends the run."""
+
+from __future__ import annotations
+
+from itertools import count
+
+import numpy as np
+import pytest
+
+import gridgen_sym as gg
+from gridgen_sym.solvers.prolongation import finer_start, from_boundary
+from gridgen_sym.solvers.untangle import Folds
+
+from .conftest import BARRIER, disordered, edges
+
+SOLVERS = {
+    "newton": lambda start, name, **options: gg.optimize(start, name, **options),
+    "local": lambda start, name, **options: gg.optimize(start, name, "local", **options),
+    "euler-lagrange": lambda start, name, **options: gg.solve_euler_lagrange(start, name, **options),
+    "relaxation": lambda start, name, **options: gg.solve_euler_lagrange(start, name, "relaxation", **options),
+}
+
+each_solver = pytest.mark.parametrize("solve", SOLVERS.values(), ids=SOLVERS)
+each_functional = pytest.mark.parametrize("name", gg.functionals())
+
+
+@each_solver
+@each_functional
+@pytest.mark.parametrize("domain", ["chevron", "horseshoe", "indented_square"])
+def test_a_valid_start_gives_a_valid_result(solve, name, domain):
+    start = disordered(gg.domain(domain, 11, 9), 0.3)
+    assert solve(start, name, max_iterations=60).quality.valid
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_step_control_says_when_it_acted(solver):
+    start = gg.domain("chevron", 21, 21)
+    held = SOLVERS[solver](start, "length", max_iterations=100)
+    free = SOLVERS[solver](start, "length", max_iterations=2000, keep_valid=False)
+    assert free.converged
+    assert not free.quality.valid
+    assert held.quality.valid
+    assert not held.converged
+    assert "keep_valid=False" in held.message
+
+
+@each_solver
+@pytest.mark.parametrize("name", ["winslow", "length"])
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, StopIteration])
+def test_whatever_stops_a_run_leaves_a_valid_grid(solve, name, stop):
+    start, calls = disordered(gg.domain("chevron", 17, 17), 0.3), count()
+
+    def callback(step):
+        if next(calls) == 2:
+            raise stop
+
+    result = solve(start, name, callback=callback)
+    assert result.interrupted
+    assert not result.converged
+    assert result.quality.valid
+    assert ("callback stopped it" if stop is StopIteration else "interrupted") in result.message
+
+
+@each_solver
+@pytest.mark.parametrize("name", ["winslow", "length"])
+def test_an_error_in_a_callback_does_not_lose_the_grid(solve, name):
+    start, calls = disordered(gg.domain("chevron", 17, 17), 0.3), count()
+
+    def callback(step):
+        if next(calls) == 2:
+            raise ZeroDivisionError("of the user")
+
+    with pytest.raises(ZeroDivisionError, match="of the user") as raised:
+        solve(start, name, callback=callback)
+    assert raised.value.result.quality.valid
+    assert raised.value.result.interrupted
+    assert any("'result'" in note for note in raised.value.__notes__)
+
+
+@pytest.mark.parametrize("solve", [*SOLVERS.values(), gg.untangle], ids=[*SOLVERS, "untangle"])
+def test_the_time_limit_ends_a_run_with_its_best_grid(solve):
+    start = gg.domain("swan", 17, 17)
+    result = solve(start, "winslow", time_limit=1e-9)
+    assert result.interrupted
+    assert "time limit of 1e-09 seconds" in result.message
+    assert result.quality.folded_cells <= gg.quality(start).folded_cells
+
+
+@pytest.mark.parametrize("limit", [0, -1.0, "1"])
+def test_a_time_limit_that_means_nothing_is_refused(limit):
+    with pytest.raises(gg.GridgenError, match="time_limit must be a positive number"):
+        gg.optimize(gg.domain("swan", 9, 9), "winslow", time_limit=limit)
+
+
+def test_an_interrupted_untangling_keeps_what_the_coarse_grids_gave():
+    def stop(step):
+        if step.shape == (33, 33):
+            raise KeyboardInterrupt
+
+    start = gg.domain("zee", 33, 33)
+    result = gg.untangle(start, callback=stop)
+    assert result.quality.folded_cells < 0.1 * gg.quality(start).folded_cells
+
+
+def test_where_a_corner_of_fixed_nodes_is_folded_all_other_cells_are_unfolded():
+    xy = gg.domain("zee", 21, 21).xy
+    xy[0, 0] = 0.6 * (xy[1, 0] + xy[0, 1])  # Beyond the line between its neighbors.
+    start = gg.transfinite(xy[:, 0], xy[:, -1], xy[0], xy[-1])
+    assert gg.quality(start).folded_cells > 100
+    result = gg.untangle(start)
+    assert not result.converged
+    assert result.quality.folded.tolist() == [[0, 0]]
+    assert "no valid grid exists: at corner 0" in result.message
+
+
+@pytest.mark.parametrize("name", BARRIER)
+def test_shallow_folds_are_found_and_mended(name):
+    """Far shallower than a cell: an epsilon of their size would not see its way out."""
+    xy = gg.domain("wavy", 17, 17).xy
+    xy[8, 8] = xy[7, 8] + (xy[7, 8] - xy[7, 7]) * 1e-4 - (xy[8, 9] - xy[7, 9]) * 1e-6
+    start = gg.Grid(xy)
+    assert gg.quality(start).folded_cells > 0
+    assert gg.untangle(start, name).converged
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_a_finer_start_keeps_the_boundary_and_folds_nothing_where_cells_are_halved(backend):
+    coarse = gg.optimize(gg.domain("zee", 17, 17), "winslow").grid.planes
+    fine = gg.domain("zee", 33, 33).planes
+    start = finer_start(coarse, fine, backend)
+    assert Folds.of(from_boundary(fine)).cells > 400
+    assert Folds.of(start).cells == 0
+    assert np.array_equal(edges(start.transpose(1, 2, 0)), edges(fine.transpose(1, 2, 0)))
+
+
+def test_the_energy_per_corner_of_squares_is_two():
+    assert gg.optimize(gg.domain("square", 5, 9), "winslow", max_iterations=0).energy_per_corner == pytest.approx(2.5)
+    assert gg.optimize(gg.domain("square", 9, 9), "winslow").energy_per_corner == pytest.approx(2.0)
