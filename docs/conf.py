@@ -1,7 +1,23 @@
 """Settings of the site: those of every page, and what the site alone has."""
 
+from pathlib import Path
+
+from gridgen_sym.documentation.gallery import gallery_settings
 from gridgen_sym.documentation.settings import settings
 
 globals().update(settings())
-extensions += ["gridgen_sym.documentation.site"]  # noqa: F821 - of the settings
-exclude_patterns = ["_build"]
+extensions += [  # noqa: F821 - of the settings
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_gallery.gen_gallery",
+    "gridgen_sym.documentation.site",
+]
+exclude_patterns = ["_build", "gallery/*.ipynb", "gallery/*.py", "gallery/*.py.md5", "gallery/*.zip"]
+sphinx_gallery_conf = gallery_settings(Path(__file__).parent)
+# Times of computation say nothing on a page that is built anywhere.
+suppress_warnings = ["config.cache"]
+napoleon_use_ivar = True
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented_params"
+autodoc_typehints_format = "short"

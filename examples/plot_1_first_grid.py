@@ -1,4 +1,7 @@
-"""A first grid: the swan, whose transfinite grid is folded, and the Winslow grid, which is not.
+"""A first grid
+============
+
+The swan: its transfinite grid is folded, the Winslow grid is not.
 
 Writes `swan.vts` and `swan.png`.
 """

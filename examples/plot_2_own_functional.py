@@ -1,4 +1,7 @@
-"""Your own functional: one formula, and every solver has it at once.
+"""Your own functional
+===================
+
+One formula, and every solver has it at once.
 
 The density is a function of the metric: g11 and g22 are the squared lengths of a cell's edges, g12 is their inner
 product, J the cell's area. Arguments after the metric are parameters.
@@ -23,3 +26,4 @@ assert newton.quality.valid
 # Both methods minimise the same energy.
 assert abs(local.energy / newton.energy - 1) < 1e-8
 print(newton.quality)
+gg.plot_grids([("the start", start), ("smooth", newton.grid)], "smooth.png")

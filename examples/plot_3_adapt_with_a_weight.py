@@ -1,4 +1,7 @@
-"""Adapt a grid: the area functional with a weight s makes cells small where the weight is large.
+"""Adapt a grid with a weight
+==========================
+
+The area functional with a weight s makes cells small where the weight is large.
 
 A frozen weight makes s·J constant; one that is differentiated through, sqrt(s)·J. Areas alone do not say how the lines
 run: many grids have these areas, and the one that is found swirls. Writes `adapted.png`.

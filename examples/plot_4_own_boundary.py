@@ -1,4 +1,7 @@
-"""Your own boundary: four arrays of points, a grid between them, and a PLOT3D file.
+"""Your own boundary
+=================
+
+Four arrays of points, a grid between them, and a PLOT3D file.
 
 Bottom and top have the same number of points, and so have left and right; sides that meet share their corner.
 Writes `nozzle.xyz`.
@@ -22,3 +25,4 @@ assert again == result.grid
 assert again.shape == (61, 21)
 assert result.quality.valid
 print(result.quality)
+gg.plot_grid(result.grid, "nozzle.png", title="a nozzle")

@@ -1,4 +1,7 @@
-"""Solve the Euler-Lagrange equations: the classical Winslow solver, and Newton's method on the same equations.
+"""The Euler–Lagrange equations
+============================
+
+The classical Winslow solver, and Newton's method on the same equations.
 
 Relaxation holds the coefficients of the second derivatives while each node solves its own equations; Newton's method
 uses the derived Jacobian. Both find the same grid.
@@ -17,3 +20,4 @@ assert relaxation.converged
 assert newton.quality.valid
 assert np.abs(newton.grid.planes - relaxation.grid.planes).max() < 1e-9
 print(f"Newton: {newton.iterations} steps; relaxation: {relaxation.iterations} sweeps")
+gg.plot_grids([("Newton's method", newton.grid), ("relaxation", relaxation.grid)], "chevron.png")

@@ -8,16 +8,16 @@ solution is scaled.
 
 | name | m | density | source |
 | --- | --- | --- | --- |
-| `gradient` | |grad u| | 1 + alpha m | A. M. Winslow 1981, "Adaptive-mesh zoning by the equipotential method" |
-| `arc_length` | |grad u| | sqrt(1 + alpha m²) | A. B. White 1979, "On selection of equidistributing meshes" |
-| `curvature` | |H|^(2/5), Frobenius | 1 + alpha m | Huang and Russell 2011: the optimal density for the L2 error |
+| `gradient` | length of grad u | 1 + alpha m | A. M. Winslow 1981, "Adaptive-mesh zoning by the equipotential method" |
+| `arc_length` | length of grad u | sqrt(1 + alpha m²) | A. B. White 1979, "On selection of equidistributing meshes" |
+| `curvature` | (norm of H)^(2/5) | 1 + alpha m | Huang and Russell 2011: the optimal density for the L2 error |
 | `recovery_error` | eta^(2/3)/J | 1 + alpha m | equidistributes Zienkiewicz and Zhu's indicator |
 | `hierarchical_error` | eta^(2/5)/J | 1 + alpha m | equidistributes the hierarchical indicator |
 | `values` | u | u | the density itself, given by the user; no share |
 
-Gradient and Hessian H are recovered from nodal values. The exponents are those right across a front, where the cells'
-width h alone changes: the error of linear interpolation is h² u''/8, that of its gradient h u''/2, and eta, a norm over
-the cell, has another sqrt(h). (Where features are round, 2/3 instead of 2/5.)
+Gradient and Hessian H (Frobenius norm) are recovered from nodal values. The exponents are those right across a front,
+where the cells' width h alone changes: the error of linear interpolation is h² u''/8, that of its gradient h u''/2,
+and eta, a norm over the cell, has another sqrt(h). (Where features are round, 2/3 instead of 2/5.)
 """
 
 from __future__ import annotations

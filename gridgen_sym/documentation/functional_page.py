@@ -24,6 +24,7 @@ _MEANING: Mapping[str, str] = {
     "corner_energy": "energy of a corner",
     "corner_gradient": "and its gradient",
     "corner_hessian": "and its Hessian",
+    "corner_hessian_vector": "its Hessian times a vector",
     "corner_semidefinite": "a positive semidefinite Hessian",
     "residual": "Euler–Lagrange residual at a node",
     "residual_slopes": "and its derivatives, for Newton's method",
@@ -65,7 +66,7 @@ def write_functional_page(functional: Functional, folder: Path) -> Path:
         consequences=tuple(consequences(found)),
         parts=tuple(_parts(functional)),
         programs=[
-            {"name": name, "meaning": _MEANING[name], "operations": program.operations}
+            {"name": name, "meaning": _MEANING.get(name, name.replace("_", " ")), "operations": program.operations}
             for name, program in derived.programs.items()
         ],
         sources=tuple(_sources(derived, folder)),

@@ -28,6 +28,7 @@ def settings() -> dict[str, Any]:
         "html_title": "gridgen_sym",
         "html_static_path": [str(static_folder())],
         "html_css_files": ["gridgen.css"],
+        "html_favicon": str(static_folder() / "favicon.svg"),
         "html_copy_source": False,
         "html_show_sourcelink": False,
         "html_show_sphinx": False,

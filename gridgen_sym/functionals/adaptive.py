@@ -8,7 +8,15 @@ from .definition import builtin
 from .metric import Metric
 
 
-@builtin(constraints=("k > 0",), reference="Section 2.1, with the barrier of Section 2.5")
+@builtin(
+    constraints=("k > 0",),
+    reference="Section 2.1, with the barrier of Section 2.5",
+    use_when="To adapt with a weight: cells are small where it is large, and none folds. `gg.adapt` uses it.",
+    avoid_when=(
+        "without a weight, where `winslow` is simpler; and where `s J` must be constant exactly: the little of "
+        "`winslow` takes its share."
+    ),
+)
 def area_winslow(m: Metric, k: float = 0.02) -> Any:  # noqa: ANN401
     """Weighted area, with a little of winslow: it alone would be degenerate, and would fold."""
     return m.s * m.J**2 / 2 + k * (m.g11 + m.g22) / m.J

@@ -96,7 +96,9 @@ class Problem:
 
         Measured: by the change of the gradient when every node is moved a little, this way or that.
         """
-        size, little = float(np.abs(coordinates).max()), 1e-4 * _spacing(coordinates)
+        size = max(float(coordinates.max()), -float(coordinates.min()))
+        # Before the copy of the grid, so that no two temporaries stand in memory at once.
+        little, scale = 1e-4 * _spacing(coordinates), self.gradient_scale(coordinates, 1.0)
         # Products of random signs per row and per column are uncorrelated between nodes, and cost nothing.
         rows, columns = (
             np.random.default_rng(seed).choice((-little, little), (2, count))
@@ -108,7 +110,7 @@ class Problem:
         there -= gradient
         eps, change = float(np.finfo(float).eps), norm_of(there)
         # A gradient that does not change at all (of a null Lagrangian) still is a sum of terms that round.
-        summed = 10 * eps * self.gradient_scale(coordinates, energy)
+        summed = 10 * eps * scale * abs(energy)
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
 
     def caution(self, coordinates: Array) -> str:

@@ -83,7 +83,8 @@ def _formula(item: Divergence | Quasilinear | tuple[str, Expr | sympy.Matrix]) -
     match item:
         case Divergence(along_xi, along_eta, source):
             tail = "" if source == 0 else rf" - \left({latex(source)}\right)"
-            flux = rf"\partial_\xi \left({latex(along_xi)}\right) + \partial_\eta \left({latex(along_eta)}\right)"
+            sign, across = ("-", -along_eta) if along_eta.could_extract_minus_sign() else ("+", along_eta)
+            flux = rf"\partial_\xi \left({latex(along_xi)}\right) {sign} \partial_\eta \left({latex(across)}\right)"
             return f"{flux}{tail} = 0"
         case Quasilinear():
             return " ".join(_rows(item)).replace(r"\Bigl", "").replace(r"\Bigr", "") + " = 0"

@@ -99,11 +99,9 @@ def _entries(head: str, matrix: sympy.Matrix, names: list[str]) -> list[tuple[st
 
 
 def _equations(derived: EulerLagrange, title: str, *, detail: bool = False) -> Iterator[Section]:
-    fluxes = [tidy(flux) for flux in derived.fluxes]
-    divergence = tuple(Divergence(fluxes[row], fluxes[2 + row], derived.sources[row]) for row in (0, 1))
-    yield Section(title, divergence, "divergence form (x, y)", detail)
-    expanded = tuple(_quasilinear(derived, row) for row in (0, 1))
-    yield Section(title, expanded, "expanded form (x, y)", detail)
+    rows = (0, 1)
+    yield Section(title, tuple(divergence_form(derived, row) for row in rows), "divergence form (x, y)", detail)
+    yield Section(title, tuple(expanded_form(derived, row) for row in rows), "expanded form (x, y)", detail)
     if derived.reduction is not None:
         reduction = derived.reduction
         items: tuple[Item, ...] = (
@@ -116,8 +114,13 @@ def _equations(derived: EulerLagrange, title: str, *, detail: bool = False) -> I
         yield Section(title, items, "reduced system", detail)
 
 
-def _quasilinear(derived: EulerLagrange, row: int) -> Quasilinear:
-    """Return an expanded equation, its terms grouped as in the paper."""
+def divergence_form(derived: EulerLagrange, row: int) -> Divergence:
+    """Return an equation, that of x (0) or of y (1), in divergence form."""
+    return Divergence(tidy(derived.fluxes[row]), tidy(derived.fluxes[2 + row]), derived.sources[row])
+
+
+def expanded_form(derived: EulerLagrange, row: int) -> Quasilinear:
+    """Return an equation, that of x (0) or of y (1), expanded, with its terms grouped as in the paper."""
     terms = [(tidy(derived.coefficients[second][row]), second) for second in paper_order(row)]
     factor = common_factor(coefficient for coefficient, _ in terms)
     return Quasilinear(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 import sympy
 from sympy import Expr, Symbol
@@ -16,6 +17,7 @@ _LARGEST = 600
 _TRACE = symbol("trace")
 
 
+@lru_cache(maxsize=1024)
 def tidy(expression: Expr) -> Expr:
     """Return the shortest of several ways to write an expression: as derived, factored, or factored in the metric."""
     expression = sympy.sympify(expression)

@@ -132,6 +132,18 @@ def test_a_sweep_lowers_the_energy(case):
         before = after
 
 
+@pytest.mark.usefixtures("threads")
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_a_sweep_tells_its_largest_step_and_takes_none_beyond_its_reach(backend):
+    kernels, xy, free = kernel_set("winslow", "plain", backend), random_grid(9, 140), np.zeros((9, 140), dtype=np.uint8)
+    far, near = xy.copy(), xy.copy()
+    largest = kernels.sweep(far, None, free, 3, floor=0.0)
+    steps = np.abs(far - xy).max(axis=0)
+    assert largest == steps.max() > 0
+    assert kernels.sweep(near, None, free, 3, floor=0.0, reach=0.5 * largest) == largest
+    assert np.array_equal(near, np.where(steps < 0.5 * largest, far, xy))
+
+
 def test_sweeps_keep_positive_jacobians():
     """Liao's functional folds cells if it may; a small step on the way must not."""
     kernels = kernel_set("liao", "plain", "c")

@@ -91,7 +91,7 @@ static void correct(const Level *coarse, const Level *fine, Team team) {
 /* solution = V-cycle(right); small levels are worked on by one thread. */
 static void v_cycle(const Level *levels, int64_t count, Team team) {
   if (team.size > 1 && levels->threads == 1) {
-    if (team.rank == 0) v_cycle(levels, count, (Team){0, 1});
+    if (team.rank == 0) v_cycle(levels, count, (Team){0, 1, 0});
     wait_for(team);
     return;
   }

@@ -5,11 +5,18 @@
  * numbers apart and stand together for all entries and components: row i of an operator is PLANES rows of numbers, that
  * of a vector two, x and y. Nodes on the edge are fixed, and couplings with fixed nodes are zero.
  */
+#define _POSIX_C_SOURCE 200112L /* sched_yield */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 #ifdef _OPENMP
 #include <omp.h>
+#endif
+#if defined(_OPENMP) && defined(__GNUC__) && !defined(_WIN32)
+#include <sched.h>
+#define YIELDS 1
+#else
+#define YIELDS 0
 #endif
 
 #if defined(_WIN32)
@@ -33,24 +40,44 @@ typedef struct {
   const uint8_t *fixed;       /* (ni, nj) */
 } Level;
 
+/* Where threads wait for each other: how many have come, and how often all have. */
+typedef struct {
+  int64_t arrived, phase;
+} Meeting;
+
 /* The threads that work on a level together; each of them calls the same functions with its own rank. */
 typedef struct {
   int64_t rank, size;
+  Meeting *meeting;
 } Team;
 
 #define PRAGMA(text) _Pragma(#text)
 #ifdef _OPENMP
-#define WITH_TEAM(team, threads)                                   \
-  PRAGMA(omp parallel num_threads((int)(threads)) if ((threads) > 1)) \
-  for (Team team = {omp_get_thread_num(), omp_get_num_threads()}, *once = &team; once; once = 0)
+#define WITH_TEAM(team, threads)                                                                             \
+  Meeting meeting = {0, 0};                                                                                  \
+  PRAGMA(omp parallel num_threads((int)(threads)) if ((threads) > 1))                                        \
+  for (Team team = {omp_get_thread_num(), omp_get_num_threads(), &meeting}, *once = &team; once; once = 0)
 #else
-#define WITH_TEAM(team, threads) for (Team team = {0, 1}, *once = &team; once; once = 0)
+#define WITH_TEAM(team, threads) for (Team team = {0, 1, 0}, *once = &team; once; once = 0)
 #endif
 
+/* Wait for all threads of a team. OpenMP's barrier spins for milliseconds: where another process has the processor of one
+ * thread, all the others would burn theirs. */
 INLINE void wait_for(Team team) {
-  if (team.size > 1) {
-#pragma omp barrier
+  if (team.size == 1) return;
+#if YIELDS
+  Meeting *meeting = team.meeting;
+  const int64_t phase = __atomic_load_n(&meeting->phase, __ATOMIC_ACQUIRE);
+  if (__atomic_add_fetch(&meeting->arrived, 1, __ATOMIC_ACQ_REL) == team.size) {
+    __atomic_store_n(&meeting->arrived, 0, __ATOMIC_RELAXED);
+    __atomic_store_n(&meeting->phase, phase + 1, __ATOMIC_RELEASE);
+    return;
   }
+  for (int spins = 0; __atomic_load_n(&meeting->phase, __ATOMIC_ACQUIRE) == phase; ++spins)
+    if (spins > 20000) sched_yield();
+#else
+#pragma omp barrier
+#endif
 }
 
 /* Where the part of a thread begins among `count` things; that of the next rank is where it ends. */

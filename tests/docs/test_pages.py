@@ -1,0 +1,113 @@
+"""Pages say what is derived now: a changed derivation changes them, and prose quotes what the program holds."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+
+import pytest
+
+import gridgen_sym
+from gridgen_sym.codegen.printers import CPrinter
+from gridgen_sym.codegen.programs import kernel
+from gridgen_sym.codegen.render import render, render_document
+from gridgen_sym.documentation.advice import consequences
+from gridgen_sym.documentation.functional_page import _parts
+from gridgen_sym.documentation.paper_pages import chapters
+from gridgen_sym.documentation.reference_pages import command_helps, public_names
+from gridgen_sym.functionals import functional, functionals
+from gridgen_sym.functionals.definition import Functional
+from gridgen_sym.resources import resource_folder
+from gridgen_sym.symbolic import classify, derive_text, euler_lagrange, report_sections
+from gridgen_sym.symbolic.errata import ERRATA
+from gridgen_sym.symbolic.verify import verify
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def formulas(name):
+    return [text for part in _parts(functional(name)) for kind, text in part.blocks if kind == "formula"]
+
+
+def test_a_changed_equation_changes_the_page_and_the_committed_text(monkeypatch):
+    before = formulas("winslow")
+    committed = (resource_folder("generated") / "docs" / "winslow.md").read_text(encoding="utf-8")
+    assert render_document(functional("winslow")).text == committed
+
+    def flipped(definition, variant="plain"):
+        derived = euler_lagrange(definition, variant)
+        (second, (first, other)), *rest = derived.coefficients.items()
+        return dataclasses.replace(derived, coefficients=dict([(second, (-first, other)), *rest]))
+
+    monkeypatch.setattr(report_sections, "euler_lagrange", flipped)
+    assert sum(one != two for one, two in zip(before, formulas("winslow"), strict=True)) == 1
+    assert render_document(functional("winslow")).text != committed
+
+
+@pytest.mark.parametrize("name", functionals())
+def test_a_page_has_every_part(name):
+    parts = list(_parts(functional(name)))
+    headings = [part.heading for part in parts if part.heading]
+    for wanted in ("## Corner energy and gradient", "## Euler-Lagrange", "### Divergence", "### Expanded", "## Class"):
+        assert any(heading.startswith(wanted) for heading in headings), wanted
+    assert {"Corner Hessian", "Semidefinite part of the Hessian"} <= {part.fold for part in parts}
+    shown = [text for part in parts if not part.fold for kind, text in part.blocks if kind == "formula"]
+    assert 8 <= len(shown) <= 25
+    for text in shown:
+        assert text.count("{") == text.count("}")
+    assert functional(name).use_when
+    assert functional(name).avoid_when
+
+
+def test_advice_follows_from_properties_alone():
+    told = "\n".join(consequences(classify(Functional("mine", "(g11 + g22)/J"))))
+    assert "It has a barrier" in told
+    assert "elliptic (proved)" in told
+    assert told == "\n".join(consequences(classify(functional("winslow"))))
+    assert "null Lagrangian" in "".join(consequences(classify(Functional("mine", "J"))))
+    assert "not invariant under rotation" in "".join(consequences(classify(Functional("mine", "x_xi**2 + J**2"))))
+
+
+def test_the_papers_pages_show_every_equation_and_erratum():
+    verdicts = verify()
+    parts = chapters(verdicts)
+    assert [one.verdict for part in parts for one in part.equations] == list(verdicts)
+    assert {one.verdict.erratum for part in parts for one in part.equations} == {None, *(e.key for e in ERRATA)}
+    by_key = {one.verdict.equation.key: one for part in parts for one in part.equations}
+    assert by_key["area-expanded-2"].difference == r"x_{\eta \eta} y_{\xi} \left(x_{\xi} - y_{\xi}\right)"
+    assert by_key["area-divergence-1"].derived == (
+        r"\partial_\xi \left(J y_{\eta}\right) - \partial_\eta \left(J y_{\xi}\right) = 0",
+    )
+    assert by_key["length-expanded-1"].derived == (r"x_{\xi \xi} + x_{\eta \eta} = 0",)
+    assert {one.color for part in parts for one in part.equations} == {"agrees", "condition", "differs"}
+
+
+def test_the_pipeline_page_quotes_what_the_program_holds():
+    text = (ROOT / "docs" / "pipeline.md").read_text(encoding="utf-8")
+    blocks = [block.split("\n", 1) for block in text.split("```")[1::2]]
+    library = (ROOT / "gridgen_sym" / "functionals" / "library.py").read_text(encoding="utf-8")
+    derived = kernel(functional("winslow"))
+    printed = CPrinter().program(derived.programs["corner_gradient"])
+    program = [f"{one.name} = {one.value}" for one in derived.programs["corner_gradient"].assignments]
+    source = render(derived, "c").text
+    real = "\n".join([derive_text(functional("winslow")), *program, source, library])
+    quoted = [line for language, body in blocks if language in ("python", "c") for line in body.splitlines()]
+    quoted += [
+        line for _, body in blocks for line in body.splitlines() if re.match(r"d?E|d/dx|det M|w_|t\d|d\d =", line)
+    ]
+    known = {line.strip() for line in real.splitlines()}
+    assert len(printed) == len(program)
+    # The decorator is quoted in part, and what silences a tool is left out.
+    starts = [line.strip() for line in quoted if not line.startswith("@")]
+    assert [start for start in starts if not any(line.startswith(start) for line in known)] == []
+    assert len(quoted) > 25
+
+
+def test_the_reference_has_every_public_name_and_command():
+    named = {name for names in public_names().values() for _, name in names}
+    assert {"optimize", "Grid", "define", "Result", "Weight"} <= named
+    assert named <= set(vars(gridgen_sym))
+    helps = dict(command_helps())
+    assert "--functional" in helps["gridgen-sym grid"]
+    assert "gridgen-sym docs" in helps

@@ -1,0 +1,110 @@
+"""Every tutorial is followed literally: its blocks run in order, in a folder of their own, and print what it says."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "docs" / "tutorials"
+TUTORIALS = sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md")
+BLOCK = re.compile(
+    r"(?P<place><!-- in: repository -->\n)?"
+    r"^```(?P<kind>\{code-block\} \w+\n:caption: (?P<file>\S+)|\w+)\n(?P<text>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
+#: Runs Python blocks one after the other with the same names.
+SESSION = "import sys\nnames = {{}}\nfor block in {blocks!r}:\n    exec(compile(block, 'tutorial', 'exec'), names)\n"
+
+
+@dataclass
+class Block:
+    kind: str
+    text: str
+    file: str | None
+    in_repository: bool
+
+
+def blocks(path):
+    """Return the fenced blocks of a page: `file` to be written, `bash` and `python` to be run, `text` to be printed."""
+    return [
+        Block("file" if m["file"] else m["kind"], m["text"], m["file"], bool(m["place"]))
+        for m in BLOCK.finditer(path.read_text(encoding="utf-8"))
+    ]
+
+
+def environment(folder):
+    """Return an environment in which `gridgen-sym` and `python` are those of this test."""
+    programs = folder / "bin"
+    programs.mkdir()
+    (programs / "gridgen-sym").write_text(f'#!/bin/sh\nexec "{sys.executable}" -m gridgen_sym "$@"\n')
+    (programs / "gridgen-sym").chmod(0o755)
+    (programs / "python").symlink_to(sys.executable)
+    path = os.pathsep.join([str(programs), str(Path(sys.executable).parent), os.environ["PATH"]])
+    author = {f"GIT_{who}_{what}": "tutorial" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
+    return os.environ | author | {"PATH": path, "PYTHONPATH": str(ROOT), "GRIDGEN_SYM_QUIET": "1", "MPLBACKEND": "Agg"}
+
+
+def clone(folder):
+    """Make what a clone of the repository has, as far as a functional needs it."""
+    repository = folder / "repository"
+    for part in ("gridgen_sym", "templates", "generated"):
+        ignored = shutil.ignore_patterns("__pycache__", "mathjax")
+        shutil.copytree(ROOT / part, repository / part, ignore=ignored)
+    for command in (["git", "init", "--quiet"], ["git", "add", "."]):
+        subprocess.run(command, cwd=repository, check=True)
+    return repository
+
+
+def run(command, folder, variables):
+    told = subprocess.run(
+        command, cwd=folder, env=variables, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+    )
+    assert told.returncode == 0, told.stdout
+    return told.stdout
+
+
+def test_there_are_tutorials():
+    assert len(TUTORIALS) >= 6
+
+
+@pytest.mark.parametrize("tutorial", TUTORIALS, ids=lambda path: path.stem)
+def test_a_tutorial_can_be_followed(tutorial, tmp_path):
+    pytest.importorskip("matplotlib")
+    if shutil.which("cc") is None and "cc -std" in tutorial.read_text(encoding="utf-8"):
+        pytest.skip("needs a C compiler")
+    work = tmp_path / "work"
+    work.mkdir()
+    variables, session, printed, repository = environment(tmp_path), [], "", None
+    for block in blocks(tutorial):
+        if block.in_repository:
+            repository = repository or clone(tmp_path)
+        folder = repository if block.in_repository else work
+        here = variables | ({"PYTHONPATH": str(repository)} if block.in_repository else {})
+        if block.kind == "file":
+            (work / block.file).write_text(block.text, encoding="utf-8")
+        elif block.kind == "bash":
+            printed += run(["bash", "-euo", "pipefail", "-c", block.text], folder, here)
+        elif block.kind == "python":
+            # What came before runs again, so that a block sees the files of the shell blocks between.
+            session.append(block.text)
+            printed = run([sys.executable, "-c", SESSION.format(blocks=session)], folder, here)
+        elif block.kind == "text":
+            missing = [line for line in block.text.splitlines() if line not in printed]
+            assert not missing, f"{tutorial.name} says {missing}; printed was:\n{printed}"
+    assert printed
+
+
+def test_a_wrong_claim_is_found(tmp_path):
+    page = tmp_path / "wrong.md"
+    page.write_text("```bash\necho one\n```\n\n```text\ntwo\n```\n")
+    assert [block.kind for block in blocks(page)] == ["bash", "text"]
+    with pytest.raises(AssertionError, match="two"):
+        test_a_tutorial_can_be_followed(page, tmp_path)
