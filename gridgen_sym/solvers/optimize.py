@@ -43,7 +43,8 @@ def optimize(
     """Minimise a functional over the positions of the free nodes; the boundary stays.
 
     A folded start of a barrier functional is untangled first, as by `untangle`. A valid start gives a valid result,
-    unless a functional without a barrier is allowed to fold cells by `keep_valid=False`.
+    unless a functional without a barrier is allowed to fold cells by `keep_valid=False`. Where no valid grid exists
+    (see `Result.certificates`), the least folded one is returned, with every cell unfolded that can be.
 
     Args:
         grid: the start, for example from `transfinite`.

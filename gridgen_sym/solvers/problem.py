@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
-from ..grids import Grid, corner_jacobians
+from ..grids import Grid, certificates, corner_jacobians
 from ..runtime import Array, KernelSet, Mask, kernels
 from .progress import Callback, Progress
 from .result import Result
@@ -251,6 +251,12 @@ def check_controls(
         raise GridgenError(f"time_limit must be a positive number of seconds; came {time_limit!r}")
 
 
+def proofs_text(grid: Grid) -> str:
+    """Return the proofs that no valid grid has this boundary, as a sentence; nothing where there are none."""
+    proofs = [str(proof) for proof in certificates(grid)]
+    return f"With this boundary {'; '.join(proofs)}." if proofs else ""
+
+
 def result_of(
     problem: Problem,
     coordinates: Array,
@@ -265,6 +271,7 @@ def result_of(
     if not smallest > 0 and "folded (J" not in message:
         folded = int((corner_jacobians(coordinates[0], coordinates[1]) <= 0).any(axis=0).sum())
         message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded."
+        message += f" {proofs_text(Grid.from_planes(*coordinates))}"
     return Result(
         grid=Grid.from_planes(coordinates[0], coordinates[1]),
         converged=converged,

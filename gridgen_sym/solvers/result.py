@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..grids import Grid, Quality, quality
+from ..grids import Certificate, Grid, Quality, certificates, quality
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +54,11 @@ class Result:
     def quality(self) -> Quality:
         """The quality measures of the grid."""
         return quality(self.grid)
+
+    @property
+    def certificates(self) -> tuple[Certificate, ...]:
+        """The proofs that no valid grid has this boundary; none for a valid grid."""
+        return certificates(self.grid)
 
     @property
     def energy_per_corner(self) -> float:

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..functionals.definition import Functional
-from ..grids import Grid, certificates, quality
+from ..grids import Grid, quality
 from ..runtime import Array
 from .nested import Nested, worth_nesting
-from .problem import Problem, norm_of, result_of
+from .problem import Problem, norm_of, proofs_text, result_of
 from .progress import Progress
 from .result import Result
 from .untangle import Folds, unfold
@@ -93,11 +93,9 @@ class Run:
         """Return what to tell the user about a grid that stayed folded."""
         self.said = ""
         grid = Grid.from_planes(*self.coordinates)
-        proofs = [str(proof) for proof in certificates(grid)]
         return (
             f"untangling with {self.functional.name} made no more progress; this is the least folded grid that it "
-            f"found. {quality(grid).describe_folds()} "
-            + (f"With this boundary {'; '.join(proofs)}." if proofs else "No proof was found that there is none.")
+            f"found. {quality(grid).describe_folds()} {proofs_text(grid) or 'No proof was found that there is none.'}"
         )
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:

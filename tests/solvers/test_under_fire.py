@@ -1,0 +1,181 @@
+"""Under fire: whatever the boundary, a valid grid, a proof that there is none, or an honest word on what was found."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from support_boundaries import (
+    SEEDS,
+    SIZES,
+    boundary_grids,
+    flat_polygon,
+    grid_of_ring,
+    smooth_curve,
+    star_polygon,
+    valid_grids,
+)
+
+import gridgen_sym as gg
+
+from .conftest import BARRIER, METHODS, edges, farthest
+from .test_never_worse import SOLVERS
+
+#: A run of a small grid takes hundreds of steps at most; this many mean that it would not end.
+_ENDLESS = 20_000
+
+UNTANGLERS = {
+    "untangle": gg.untangle,
+    "newton": SOLVERS["newton"],
+    "local": lambda start, name, **options: gg.optimize(start, name, "local", max_iterations=50, **options),
+    "euler-lagrange": SOLVERS["euler-lagrange"],
+}
+
+each_untangler = pytest.mark.parametrize("solve", UNTANGLERS.values(), ids=UNTANGLERS)
+each_barrier = pytest.mark.parametrize("name", BARRIER)
+
+
+class Endless(Exception):  # noqa: N818 - a verdict
+    """A run took more steps than any that ends."""
+
+
+def stopwatch():
+    """A callback that counts steps, and fails where they do not end."""
+    count = 0
+
+    def count_step(step):
+        nonlocal count
+        count += 1
+        if count > _ENDLESS:
+            raise Endless
+
+    return count_step
+
+
+def ring(grid):
+    return edges(grid.xy)
+
+
+def assert_honest(result, start):
+    """Check that a result hides nothing: valid, or folded and said so with its cells, and with the proofs there are."""
+    assert np.isfinite(result.grid.planes).all()
+    assert np.array_equal(ring(result.grid), ring(start))
+    folded = result.quality.folded_cells
+    assert folded <= gg.quality(start).folded_cells
+    if folded == 0:
+        assert result.certificates == ()
+        return
+    assert not result.converged
+    assert f"{folded} of " in result.message
+    for cell in result.quality.folded[:5].tolist():
+        assert f"cell ({cell[0]}, {cell[1]})" in result.message
+    for proof in result.certificates:
+        assert proof.message in result.message
+    assert ("No proof was found" in result.message) == (not result.certificates)
+
+
+@each_untangler
+@each_barrier
+@settings(max_examples=25)
+@given(boundary_grids())
+def test_any_boundary_gives_a_valid_grid_or_an_honest_answer(solve, name, start):
+    """Smooth, polygonal and nearly degenerate ones, of sizes from 1e-9 to 1e9, up to a million sizes away from 0."""
+    assert_honest(solve(start, name, callback=stopwatch()), start)
+
+
+@settings(max_examples=25)
+@given(boundary_grids(), st.sampled_from(gg.functionals()), st.sampled_from(sorted(SOLVERS)))
+def test_any_functional_and_solver_ends_with_a_finite_grid(start, name, solver):
+    result = SOLVERS[solver](start, name, max_iterations=30, callback=stopwatch())
+    assert np.isfinite(result.grid.planes).all()
+    assert np.array_equal(ring(result.grid), ring(start))
+    if not result.quality.valid:
+        assert "folded" in result.message
+
+
+def roomy_curves(seed, count):
+    """Boundaries that are no thin band: smooth ones, and stars whose radii differ by up to a factor of a million."""
+    kinds = [(smooth_curve, 0.1), (smooth_curve, 0.3), (star_polygon, 0.6), (star_polygon, 0.3), (star_polygon, 1e-6)]
+    make, shape = kinds[seed % len(kinds)]
+    return make(seed, count, shape)
+
+
+@settings(max_examples=150)
+@given(SIZES, SEEDS)
+def test_a_roomy_boundary_gives_a_valid_grid_or_a_proof(size, seed):
+    start = grid_of_ring(roomy_curves(seed, 2 * sum(size) - 4), *size)
+    if not gg.certificates(start):
+        assert gg.untangle(start).converged
+
+
+@each_barrier
+@pytest.mark.parametrize(("seed", "ni", "nj"), [(9, 9, 7), (43, 5, 8), (296, 7, 9)])
+def test_boundaries_with_edges_of_very_different_lengths_are_gridded(name, seed, ni, nj):
+    """The worst fold becomes shallower long after epsilon has fallen below the size of the long edges' cells."""
+    start = grid_of_ring(star_polygon(seed, 2 * (ni + nj) - 4, 1e-6), ni, nj)
+    assert gg.quality(start).folded_cells > 0
+    result = gg.untangle(start, name)
+    assert result.converged, result.message
+    assert_honest(result, start)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+@pytest.mark.parametrize(("seed", "ni", "nj"), [(42, 5, 9), (54, 6, 7), (93, 8, 8)])
+def test_thin_bands_are_gridded(seed, ni, nj, angle):
+    """A hundred times as long as wide: nothing that a functional of the angles likes."""
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    start = grid_of_ring(flat_polygon(seed, 2 * (ni + nj) - 4, 1e-2) @ turn, ni, nj)
+    assert gg.quality(start).folded_cells > 0
+    result = gg.untangle(start)
+    assert result.converged, result.message
+    assert_honest(result, start)
+
+
+# ---- never worse ----
+
+
+@pytest.mark.parametrize("solve", SOLVERS.values(), ids=SOLVERS)
+@settings(max_examples=25)
+@given(valid_grids(), st.sampled_from(gg.functionals()))
+def test_a_valid_start_stays_valid(solve, start, name):
+    assert solve(start, name, max_iterations=20, callback=stopwatch()).quality.valid
+
+
+# ---- the same grid at any size and place ----
+
+
+def scales(name):
+    """Whether the energy of every grid changes by one factor where the unit of length does."""
+    grids = [gg.domain(domain, 5, 5) for domain in ("wavy", "chevron", "horseshoe_map")]
+    ratios = [gg.energy(gg.Grid(2 * grid.xy), name) / gg.energy(grid, name) for grid in grids]
+    return np.ptp(ratios) < 1e-12 * max(ratios)
+
+
+HOMOGENEOUS = [name for name in gg.functionals() if scales(name)]
+
+
+def test_most_functionals_are_homogeneous():
+    assert set(gg.functionals()) - set(HOMOGENEOUS) == {"combined", "area_winslow"}
+
+
+@settings(max_examples=40)
+@given(SIZES, SEEDS, st.sampled_from(HOMOGENEOUS), st.sampled_from(METHODS), st.sampled_from([-30, -3, 1, 30]))
+def test_the_unit_of_length_changes_no_bit(size, seed, name, method, power):
+    """From 1e-9 to 1e9. A power of two scales every number exactly; any fixed length in a solver would show."""
+    start = grid_of_ring(roomy_curves(seed, 2 * sum(size) - 4), *size)
+    expected = gg.optimize(start, name, method, max_iterations=20)
+    scaled = gg.optimize(gg.Grid(start.xy * 2.0**power), name, method, max_iterations=20)
+    assert np.array_equal(scaled.grid.xy, expected.grid.xy * 2.0**power)
+    assert scaled.converged == expected.converged
+
+
+@settings(max_examples=25)
+@given(SIZES, SEEDS, st.sampled_from(BARRIER), st.sampled_from([1.0, 1e3, 1e6]))
+def test_the_place_does_not_matter(size, seed, name, shift):
+    start = grid_of_ring(smooth_curve(seed, 2 * sum(size) - 4, 0.05), *size)
+    expected = gg.optimize(start, name)
+    assume(expected.converged)
+    moved = gg.optimize(gg.Grid(start.xy + shift), name)
+    assert moved.converged
+    assert farthest(gg.Grid(moved.grid.xy - shift), expected.grid) < 1e-5
