@@ -173,5 +173,5 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
             f"{', '.join('.' + key for key in sorted(known))}"
         )
     stream = io.BytesIO()
-    figure.savefig(stream, format=suffix, dpi=160)
+    figure.savefig(stream, format=suffix, dpi=160, bbox_inches="tight", pad_inches=0.06)
     write_bytes(path, stream.getvalue())

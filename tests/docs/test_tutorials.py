@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "tutorials"
-TUTORIALS = sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md")
+TUTORIALS = [*sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md"), ROOT / "docs" / "index.md"]
 BLOCK = re.compile(
     r"(?P<place><!-- in: repository -->\n)?"
     r"^```(?P<kind>\{code-block\} \w+\n:caption: (?P<file>\S+)|\w+)\n(?P<text>.*?)^```$",
@@ -99,7 +99,7 @@ def test_a_tutorial_can_be_followed(tutorial, tmp_path):
         elif block.kind == "python":
             # What came before runs again, so that a block sees the files of the shell blocks between.
             session.append(block.text)
-            printed = run([sys.executable, "-c", SESSION.format(blocks=session)], folder, here)
+            printed = run([sys.executable, "-c", SESSION.format(blocks=session)], folder, here) or "nothing"
         elif block.kind == "text":
             missing = [line for line in block.text.splitlines() if line not in printed]
             assert not missing, f"{tutorial.name} says {missing}; printed was:\n{printed}"
