@@ -23,6 +23,7 @@ from .adaptation import Monitor as Monitor
 from .adaptation import adapt as adapt
 from .adaptation import equidistribution as equidistribution
 from .adaptation import hierarchical_error as hierarchical_error
+from .adaptation import interpolation_error as interpolation_error
 from .adaptation import recover_gradient as recover_gradient
 from .adaptation import recover_hessian as recover_hessian
 from .adaptation import recovery_error as recovery_error
