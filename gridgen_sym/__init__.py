@@ -55,5 +55,7 @@ from .solvers import energy as energy
 from .solvers import gradient as gradient
 from .solvers import hessian as hessian
 from .solvers import optimize as optimize
+from .solvers import raster_field as raster_field
+from .solvers import scattered_field as scattered_field
 from .solvers import solve_euler_lagrange as solve_euler_lagrange
 from .solvers import untangle as untangle
