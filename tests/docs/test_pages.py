@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import re
 from pathlib import Path
 
@@ -25,6 +26,12 @@ from gridgen_sym.symbolic.errata import ERRATA
 from gridgen_sym.symbolic.verify import verify
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+@functools.cache
+def verified():
+    """Return the verdicts on the paper, decided once for the tests of this file."""
+    return verify()
 
 
 def formulas(name):
@@ -71,7 +78,7 @@ def test_advice_follows_from_properties_alone():
 
 
 def test_the_papers_pages_show_every_equation_and_erratum():
-    verdicts = verify()
+    verdicts = verified()
     parts = chapters(verdicts)
     assert [one.verdict for part in parts for one in part.equations] == list(verdicts)
     assert {one.verdict.erratum for part in parts for one in part.equations} == {None, *(e.key for e in ERRATA)}
@@ -131,7 +138,7 @@ def test_what_the_home_page_and_the_readme_claim():
     for text in (home, readme):
         flat = " ".join(text.split())
         assert f"{cases} hard boundaries {valid} grids are valid; for the other {impossible} a certificate" in flat
-    verdicts = verify()
+    verdicts = verified()
     agree, errata = (sum(verdict.is_plain for verdict in verdicts), sum(bool(one.erratum) for one in verdicts))
     condition = len(verdicts) - agree - errata
     assert f"{agree} agree, {condition} hold where J > 0 only, {errata} are errata" in " ".join(home.split())
