@@ -6,13 +6,14 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
+import full_approximation
 import kernels
 import peers
 import solver
 import start
 from measure import FOLDER, Table, machine
 
-PARTS = ("start", "kernels", "solver", "peers")
+PARTS = ("start", "kernels", "solver", "full-approximation", "peers")
 _HEAD = """# Benchmarks
 
 Written by `python benchmarks/run.py{flags}`; [benchmarks/README.md](../benchmarks/README.md)
@@ -40,12 +41,15 @@ def main() -> None:
         "Start": lambda: start.run(options.quick),
         "Kernels": lambda: kernels.run(options.quick, images / "benchmark_kernels.png"),
         "Solver": lambda: solver.run(options.quick, options.largest, images / "benchmark_solver.png"),
+        "Full approximation": lambda: full_approximation.run(options.quick),
         "Peers": lambda: peers.run(options.quick, images / "benchmark_peers.png"),
     }
     sections = _sections(target) if options.part else {}
     for title, measure in parts.items():
-        if not options.part or title.lower() in options.part:
-            image = f"![{title}, drawn by the benchmark](images/benchmark_{title.lower()}.png)\n\n" * (title != "Start")
+        part = title.lower().replace(" ", "-")
+        if not options.part or part in options.part:
+            drawn = part in ("kernels", "solver", "peers")
+            image = f"![{title}, drawn by the benchmark](images/benchmark_{part}.png)\n\n" * drawn
             sections[title] = image + "\n".join(table.markdown() for table in measure())
     flags = " --quick" * options.quick + f" --largest {options.largest}" * (options.largest != 1024)
     head = _HEAD.format(flags=flags, facts="\n".join(f"* {fact}" for fact in machine()))

@@ -26,6 +26,7 @@ _MEANING: Mapping[str, str] = {
     "corner_hessian": "and its Hessian",
     "corner_hessian_vector": "its Hessian times a vector",
     "corner_semidefinite": "a positive semidefinite Hessian",
+    "corner_semidefinite_vector": "and that Hessian times a vector",
     "residual": "Euler–Lagrange residual at a node",
     "residual_slopes": "and its derivatives, for Newton's method",
     "residual_coefficients": "and its coefficients, for relaxation",

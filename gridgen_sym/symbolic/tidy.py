@@ -14,6 +14,8 @@ from .reduction import in_metric
 
 #: More operations than this, and an expression is left as it was derived: factoring it would take too long.
 _LARGEST = 600
+#: The metric is written out in expressions up to this size only: factors in four variables take long.
+_LARGEST_WRITTEN = 100
 _TRACE = symbol("trace")
 
 
@@ -22,12 +24,14 @@ def tidy(expression: Expr) -> Expr:
     """Return the shortest of several ways to write an expression: as derived, factored, or factored in the metric."""
     expression = sympy.sympify(expression)
     names = expression.free_symbols
-    if not expression.is_rational_function(*names) or sympy.count_ops(expression) > _LARGEST:
+    size = sympy.count_ops(expression)
+    if not expression.is_rational_function(*names) or size > _LARGEST:
         return expression
     traced = sympy.factor(expression.subs(g11, _TRACE - g22)).subs(_TRACE, g11 + g22)
-    written = in_metric(sympy.factor(expand_metric(expression)))
-    single = (sympy.factor_terms(candidate) for candidate in (sympy.factor(expression), traced, written))
-    return min((expression, *single), key=sympy.count_ops)
+    single = [sympy.factor(expression), traced]
+    if size <= _LARGEST_WRITTEN:
+        single.append(in_metric(sympy.factor(expand_metric(expression))))
+    return min((expression, *map(sympy.factor_terms, single)), key=sympy.count_ops)
 
 
 def tidy_quadratic(expression: Expr, variables: Sequence[Symbol]) -> Expr:
