@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ..functionals.definition import Functional
 from ..grids import Grid, quality
 from ..runtime import Array
+from .lift import lift
 from .nested import Nested, worth_nesting
 from .problem import Problem, norm_of, proofs_text, result_of
 from .progress import Progress
@@ -86,6 +87,7 @@ class Run:
         self.said = UNTANGLED
         self.report.begin("untangle", self.problem.fixed.shape)
         valid = unfold(self.problem, self.functional, self.coordinates, self.parameters, self.report)
+        valid = valid or lift(self.coordinates, self.problem.fixed, self.report)
         self.problem.refresh(self.coordinates)
         return valid
 

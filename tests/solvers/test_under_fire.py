@@ -18,6 +18,9 @@ from support_boundaries import (
 )
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.lift import lift
+from gridgen_sym.solvers.progress import Progress
+from gridgen_sym.solvers.untangle import Folds
 
 from .conftest import BARRIER, METHODS, edges, farthest
 from .test_never_worse import SOLVERS
@@ -130,6 +133,46 @@ def test_thin_bands_are_gridded(seed, ni, nj, angle):
     result = gg.untangle(start)
     assert result.converged, result.message
     assert_honest(result, start)
+
+
+def narrow_corner():
+    """A boundary whose least folded grids, for falling epsilon, lead to a fold that stays; a valid grid exists."""
+    return grid_of_ring(smooth_curve(2423, 22, 0.3), 6, 7)
+
+
+@each_barrier
+def test_a_fold_in_a_narrow_corner_is_lifted(name):
+    start = narrow_corner()
+    result = gg.optimize(start, name)
+    assert result.converged, result.message
+    assert_honest(result, start)
+
+
+def test_lifting_reports_its_steps_and_can_be_stopped():
+    seen = []
+
+    def stop(step):
+        seen.append(step)
+        if np.isnan(step.energy):
+            raise StopIteration
+
+    result = gg.untangle(narrow_corner(), callback=stop)
+    assert result.interrupted
+    assert seen[-1].stage == "untangle"
+    assert seen[-1].min_jacobian > min(step.min_jacobian for step in seen)
+    assert result.quality.folded_cells <= gg.quality(narrow_corner()).folded_cells
+
+
+def test_lifting_makes_nothing_worse():
+    """Two cells of this long neck cannot both be unfolded: lifting the worst fold would fold more of them."""
+    start = grid_of_ring(smooth_curve(3211, 12, 0.6), 5, 3)
+    least = gg.untangle(start).grid
+    place = least.planes.copy()
+    fixed = np.zeros(start.shape, dtype=np.uint8)
+    fixed[[0, -1]], fixed[:, [0, -1]] = 1, 1
+    with Progress("lift") as report:
+        assert not lift(place, fixed, report)
+    assert Folds.of(place) <= Folds.of(least.planes)
 
 
 # ---- never worse ----
