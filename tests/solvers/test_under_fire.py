@@ -135,6 +135,18 @@ def test_thin_bands_are_gridded(seed, ni, nj, angle):
     assert_honest(result, start)
 
 
+@pytest.mark.parametrize("solve", [gg.untangle, *(SOLVERS[name] for name in ("newton", "local", "euler-lagrange"))])
+def test_a_clockwise_boundary_is_not_worth_a_step(solve):
+    steps = []
+    start = gg.Grid(gg.domain("zee", 17, 17).xy[::-1])
+    result = solve(start, "winslow", callback=steps.append)
+    assert len(steps) <= 1
+    assert not result.converged
+    assert result.grid == start
+    assert [proof.kind for proof in result.certificates] == ["clockwise"]
+    assert "runs clockwise" in result.message
+
+
 def narrow_corner():
     """A boundary whose least folded grids, for falling epsilon, lead to a fold that stays; a valid grid exists."""
     return grid_of_ring(smooth_curve(2423, 22, 0.3), 6, 7)
