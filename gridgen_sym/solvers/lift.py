@@ -19,7 +19,7 @@ from .progress import Progress
 from .untangle import Folds
 
 #: Nodes up to so many cells from a fold are moved, at first and then; of a fold with more of them, none is.
-_LAYERS, _MOST_NODES = (3, 9), 1000
+_LAYERS, _MOST_NODES = (3, 9), 400
 #: First trust radius over the extent of the nodes; the radius at which there is no way up; factors.
 _RADIUS, _SMALLEST, _SHRINK, _GROW = 0.3, 1e-7, 0.2, 2.0
 #: It ends if so many programs have lifted the fold by less than this part of its depth.

@@ -116,10 +116,11 @@ def test_a_roomy_boundary_gives_a_valid_grid_or_a_proof(size, seed):
 @pytest.mark.parametrize(("seed", "ni", "nj"), [(9, 9, 7), (43, 5, 8), (296, 7, 9)])
 def test_boundaries_with_edges_of_very_different_lengths_are_gridded(name, seed, ni, nj):
     """The worst fold becomes shallower long after epsilon has fallen below the size of the long edges' cells."""
-    start = grid_of_ring(star_polygon(seed, 2 * (ni + nj) - 4, 1e-6), ni, nj)
+    start, steps = grid_of_ring(star_polygon(seed, 2 * (ni + nj) - 4, 1e-6), ni, nj), []
     assert gg.quality(start).folded_cells > 0
-    result = gg.untangle(start, name)
+    result = gg.untangle(start, name, callback=steps.append)
     assert result.converged, result.message
+    assert np.isfinite([step.energy for step in steps]).all(), "linear programs had to help"
     assert_honest(result, start)
 
 
@@ -133,6 +134,18 @@ def test_thin_bands_are_gridded(seed, ni, nj, angle):
     result = gg.untangle(start)
     assert result.converged, result.message
     assert_honest(result, start)
+
+
+@pytest.mark.parametrize("solve", [gg.untangle, *(SOLVERS[name] for name in ("newton", "local", "euler-lagrange"))])
+def test_a_clockwise_boundary_is_not_worth_a_step(solve):
+    steps = []
+    start = gg.Grid(gg.domain("zee", 17, 17).xy[::-1])
+    result = solve(start, "winslow", callback=steps.append)
+    assert len(steps) <= 1
+    assert not result.converged
+    assert result.grid == start
+    assert [proof.kind for proof in result.certificates] == ["clockwise"]
+    assert "runs clockwise" in result.message
 
 
 def narrow_corner():
