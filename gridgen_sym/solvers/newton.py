@@ -43,7 +43,9 @@ def minimize(
     Uses the full Hessian while its steps lead downhill and are not cut; after a step that was cut, the
     semidefinite one, shifted where it is singular; for a functional that is not polyconvex the full one, with the
     smallest shift that conjugate gradients find positive, kept from step to step. With `semidefinite` only the
-    semidefinite one. The linear systems are solved only as well as the step deserves (Eisenstat and Walker 1996).
+    semidefinite one. Where whole steps lead nowhere and the full Hessian is not positive, the grid is near a saddle
+    point, which is left along the direction of negative curvature that conjugate gradients have met. The linear systems
+    are solved only as well as the step deserves (Eisenstat and Walker 1996).
 
     Args:
         problem: what is minimised.
