@@ -58,7 +58,12 @@ for k, (name, read) in enumerate({"sea floor": sea_floor, "Jacksboro fault": fau
     axes = figure.add_subplot(1, 2, k + 1)
     shade = LightSource(azdeg=315, altdeg=45).hillshade(height.T, vert_exag=0.003, dx=x[1], dy=y[1])
     box = (0, x[-1], 0, y[-1])
-    axes.imshow(height.T, origin="lower", extent=box, cmap="Blues_r" if k == 0 else "gist_earth")
+    axes.imshow(
+        height.T,
+        origin="lower",
+        extent=box,
+        **({"cmap": "Blues_r", "vmin": -500} if k == 0 else {"cmap": "gist_earth"}),
+    )
     axes.imshow(shade, origin="lower", extent=box, cmap="gray", alpha=0.35)
     gg.plot_grid(result.grid, ax=axes)
     axes.set_title(f"{name}: {nodes} x {nodes} nodes, {after / before:.2f} of the uniform grid's error", fontsize=9)
