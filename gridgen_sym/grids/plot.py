@@ -175,5 +175,5 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     stream = io.BytesIO()
     # The first pass of the layout does not yet know the panels of equal scales, and cuts their titles off.
     figure.draw_without_rendering()
-    figure.savefig(stream, format=suffix, dpi=160)
+    figure.savefig(stream, format=suffix, dpi=160, bbox_inches="tight", pad_inches=0.06)
     write_bytes(path, stream.getvalue())
