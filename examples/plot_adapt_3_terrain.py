@@ -3,9 +3,10 @@
 
 Two rasters of elevations that come with Matplotlib: the sea floor round Vancouver Island, land taken as zero, and the
 Jacksboro fault in Tennessee (US Geological Survey, public domain). A grid represents a raster bilinearly between its
-nodes; the error, a root mean square in meters, is measured against every point of the raster. Nodes go to the coast,
-the canyons and the continental slope, and half of the uniform grid's nodes would do. The land at Jacksboro is as rough
-on the one side of the fault as on the other: there, no density of nodes gains much, and the numbers say so.
+nodes; the error, a root mean square in meters, is measured against every point of the raster. On a rectangle the smooth
+grid is the uniform one. At sea, nodes go to the coast, the canyons and the continental slope: for the error of 65 x 65
+nodes about 90 x 90 uniform ones are needed, twice as many. The land at Jacksboro is as rough on one side of the fault
+as on the other: there, no density of nodes gains much, and the numbers say so.
 """
 
 import numpy as np
@@ -58,7 +59,12 @@ for k, (name, read) in enumerate({"sea floor": sea_floor, "Jacksboro fault": fau
     axes = figure.add_subplot(1, 2, k + 1)
     shade = LightSource(azdeg=315, altdeg=45).hillshade(height.T, vert_exag=0.003, dx=x[1], dy=y[1])
     box = (0, x[-1], 0, y[-1])
-    axes.imshow(height.T, origin="lower", extent=box, cmap="Blues_r" if k == 0 else "gist_earth")
+    axes.imshow(
+        height.T,
+        origin="lower",
+        extent=box,
+        **({"cmap": "Blues_r", "vmin": -500} if k == 0 else {"cmap": "gist_earth"}),
+    )
     axes.imshow(shade, origin="lower", extent=box, cmap="gray", alpha=0.35)
     gg.plot_grid(result.grid, ax=axes)
     axes.set_title(f"{name}: {nodes} x {nodes} nodes, {after / before:.2f} of the uniform grid's error", fontsize=9)

@@ -199,9 +199,10 @@ def make_problem(
     """
     if not isinstance(grid, Grid):
         raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
-    if np.abs(grid.planes).max() > _LARGEST:
+    largest = max(grid.planes.max(), -grid.planes.min())
+    if largest > _LARGEST:
         raise GridgenError(
-            f"the grid's coordinates reach {np.abs(grid.planes).max():.3g}, and powers of them overflow: scale them to "
+            f"the grid's coordinates reach {largest:.3g}, and powers of them overflow: scale them to "
             f"a size of about 1 (at most {_LARGEST:g} is allowed)"
         )
     chosen = as_weight(weight)

@@ -96,13 +96,13 @@ def test_the_pipeline_page_quotes_what_the_program_holds():
     blocks = [block.split("\n", 1) for block in text.split("```")[1::2]]
     library = (ROOT / "gridgen_sym" / "functionals" / "library.py").read_text(encoding="utf-8")
     derived = kernel(functional("winslow"))
-    printed = CPrinter().program(derived.programs["corner_gradient"])
-    program = [f"{one.name} = {one.value}" for one in derived.programs["corner_gradient"].assignments]
+    printed = CPrinter().program(derived.programs["corner_slopes"])
+    program = [f"{one.name} = {one.value}" for one in derived.programs["corner_slopes"].assignments]
     source = render(derived, "c").text
     real = "\n".join([derive_text(functional("winslow")), *program, source, library])
     quoted = [line for language, body in blocks if language in ("python", "c") for line in body.splitlines()]
     quoted += [
-        line for _, body in blocks for line in body.splitlines() if re.match(r"d?E|d/dx|det M|w_|t\d|d\d =", line)
+        line for _, body in blocks for line in body.splitlines() if re.match(r"d?E|d/dx|det M|w_|t\d|slope_\w+ =", line)
     ]
     known = {line.strip() for line in real.splitlines()}
     assert len(printed) == len(program)
