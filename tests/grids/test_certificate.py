@@ -78,6 +78,13 @@ def test_a_nearly_straight_corner_is_decided_exactly(offset, part, shift):
     assert bool(found) is not bool(straight)
 
 
+@pytest.mark.parametrize("measure", [gg.certificates, gg.quality])
+@pytest.mark.parametrize("grid", [gg.domain("square", 5, 5).xy, None, "swan"], ids=["array", "none", "text"])
+def test_what_is_no_grid_is_refused(measure, grid):
+    with pytest.raises(gg.GridgenError, match=r"expected a Grid, came .*gridgen_sym.Grid\(xy\)"):
+        measure(grid)
+
+
 def test_coincident_neighbors():
     bottom, top, left, right = square_sides()
     bottom[2] = bottom[1]
