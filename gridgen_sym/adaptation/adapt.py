@@ -13,6 +13,7 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional
 from ..functionals.definition import functional as find_functional
 from ..grids import Grid, quality
+from ..grids.grid import check_grid
 from ..runtime import Array
 from ..solvers import untangle
 from ..solvers.problem import fixed_mask
@@ -200,8 +201,7 @@ def _check(
     callback: Callback | None,
 ) -> None:
     """Refuse arguments that mean nothing."""
-    if not isinstance(grid, Grid):
-        raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
+    check_grid(grid)
     for name, count, least in (("steps", steps, 0), ("moves", moves, 1)):
         if count is not None and (not isinstance(count, (int, np.integer)) or count < least):
             raise GridgenError(f"{name} must be a whole number, at least {least}; came {count!r}")

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ..errors import GridgenError
 from ..grids import Grid, quality
-from ..grids.grid import real_array
+from ..grids.grid import check_grid, real_array
 from ..runtime import Array
 
 
@@ -57,8 +57,7 @@ def nodal_values(grid: Grid, values: npt.ArrayLike, what: str = "nodal values") 
     Raises:
         GridgenError: if they have another shape, or one of them is not finite.
     """
-    if not isinstance(grid, Grid):
-        raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
+    check_grid(grid)
     u = real_array(values, what)
     if u.shape != grid.shape:
         raise GridgenError(f"{what} must have the grid's shape {grid.shape}; came {u.shape}")

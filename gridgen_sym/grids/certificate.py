@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .grid import FloatArray, Grid
+from .grid import FloatArray, Grid, check_grid
 from .neck import Node, crowded_nodes
 from .polygon import first_repeated, inner_angles, proper_crossings, turns, winding_number
 from .predicates import area_sign, orientation
@@ -64,7 +64,11 @@ def certificates(grid: Grid) -> tuple[Certificate, ...]:
 
     Args:
         grid: any grid with the boundary in question, such as `transfinite(bottom, top, left, right)`.
+
+    Raises:
+        GridgenError: if `grid` is no Grid.
     """
+    check_grid(grid)
     index = boundary_indices(*grid.shape)
     ring = np.ascontiguousarray(grid.planes[:, index[:, 0], index[:, 1]].T)
     found = _coincident(ring, index)

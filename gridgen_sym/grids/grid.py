@@ -149,6 +149,12 @@ def real_array(values: ArrayLike, what: str, *, copy: bool = True) -> FloatArray
         raise GridgenError(f"{what} must be an array of real numbers: {error}") from error
 
 
+def check_grid(grid: Grid) -> None:
+    """Raise a `GridgenError` unless `grid` is one, and not an array, say."""
+    if not isinstance(grid, Grid):
+        raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
+
+
 def check_counts(ni: int, nj: int) -> None:
     """Raise a `GridgenError` unless `ni` and `nj` are numbers of nodes that a grid can have."""
     for axis, count in (("ni", ni), ("nj", nj)):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .grid import FloatArray, Grid, corner_jacobians
+from .grid import FloatArray, Grid, check_grid, corner_jacobians
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +96,12 @@ class Quality:
 
 
 def quality(grid: Grid) -> Quality:
-    """Measure a grid; never warns, whatever edges have no length."""
+    """Measure a grid; never warns, whatever edges have no length.
+
+    Raises:
+        GridgenError: if `grid` is no Grid.
+    """
+    check_grid(grid)
     with np.errstate(all="ignore"):  # Divisions by 0 are meant, and their results are replaced below.
         jacobians = corner_jacobians(grid.x, grid.y)
         xi_edges, eta_edges = _edges(grid)

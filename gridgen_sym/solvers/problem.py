@@ -12,13 +12,15 @@ import numpy.typing as npt
 from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid, certificates, corner_jacobians
+from ..grids.grid import check_grid
 from ..runtime import Array, KernelSet, Mask, kernels
 from .progress import Callback, Progress
 from .result import Result
 from .weight import Source, Weight, as_weight
 
-#: Coordinates beyond this size overflow in densities of the fourth degree, and in their squares.
-_LARGEST = 1e30
+#: Coordinates beyond this size overflow in densities of the fourth degree, and in their squares; grids below the other
+#: underflow there.
+_LARGEST, _SMALLEST = 1e30, 1e-30
 
 
 @dataclass(slots=True)
@@ -197,17 +199,21 @@ def make_problem(
     Raises:
         GridgenError: for an unknown functional, bad parameters, a bad weight or a mask of the wrong shape.
     """
-    if not isinstance(grid, Grid):
-        raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
+    check_grid(grid)
     largest = max(grid.planes.max(), -grid.planes.min())
     if largest > _LARGEST:
         raise GridgenError(
             f"the grid's coordinates reach {largest:.3g}, and powers of them overflow: scale them to "
             f"a size of about 1 (at most {_LARGEST:g} is allowed)"
         )
+    if 0 < np.ptp(grid.planes, axis=(1, 2)).max() < _SMALLEST:
+        raise GridgenError(
+            f"the grid's extent is {np.ptp(grid.planes, axis=(1, 2)).max():.3g}, and powers of it underflow to zero: "
+            f"scale it to a size of about 1 (at least {_SMALLEST:g} is needed)"
+        )
     chosen = as_weight(weight)
     kernel_set = kernels(functional(name), chosen.mode if chosen else "plain", parameters, backend)
-    problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, interior_only)
+    problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, bool(interior_only))
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem
 
@@ -242,7 +248,9 @@ def check_controls(
         raise GridgenError(
             f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {tolerance!r}"
         )
-    if max_iterations is not None and not isinstance(max_iterations, (int, np.integer)):
+    if max_iterations is not None and (
+        isinstance(max_iterations, bool) or not isinstance(max_iterations, (int, np.integer))
+    ):
         raise GridgenError(f"max_iterations must be a whole number; came {max_iterations!r}")
     if max_iterations is not None and max_iterations < 0:
         raise GridgenError(f"max_iterations must not be negative; came {max_iterations}")

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from ..errors import GridgenError
 from ..grids import Grid
-from ..grids.grid import real_array
+from ..grids.grid import check_grid, real_array
 from ..runtime import Array
 
 #: Fewer samples span no plane, and less than a grid of cubics in either direction.
@@ -86,8 +86,7 @@ def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False) -> Sa
     Raises:
         GridgenError: for values of another shape, or that are not finite.
     """
-    if not isinstance(grid, Grid):
-        raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
+    check_grid(grid)
     value, (ni, nj) = real_array(values, "the values of samples"), grid.shape
     if value.shape == (ni - 1, nj - 1):
         value = nodal(value)

@@ -10,6 +10,7 @@ from support import NO_SHARED, SHARED
 from support_boundaries import boundary_grids, closed_curves, grid_of_ring, valid_grids
 
 import gridgen_sym as gg
+from gridgen_sym.grids import corner_jacobians
 from gridgen_sym.grids.certificate import boundary_indices
 from gridgen_sym.grids.neck import crowded_nodes
 from gridgen_sym.grids.polygon import first_crossing, proper_crossings, winding_number
@@ -78,6 +79,13 @@ def test_a_nearly_straight_corner_is_decided_exactly(offset, part, shift):
     assert bool(found) is not bool(straight)
 
 
+@pytest.mark.parametrize("measure", [gg.certificates, gg.quality])
+@pytest.mark.parametrize("grid", [gg.domain("square", 5, 5).xy, None, "swan"], ids=["array", "none", "text"])
+def test_what_is_no_grid_is_refused(measure, grid):
+    with pytest.raises(gg.GridgenError, match=r"expected a Grid, came .*gridgen_sym.Grid\(xy\)"):
+        measure(grid)
+
+
 def test_coincident_neighbors():
     bottom, top, left, right = square_sides()
     bottom[2] = bottom[1]
@@ -142,6 +150,13 @@ def test_a_spike():
     assert kinds(gg.transfinite(bottom, top, left, right)) == []
 
 
+def test_a_spike_at_a_corner_is_told_once():
+    xy = gg.domain("square", 5, 5).xy
+    xy[1, 0] = 0, 0.1
+    (found,) = gg.certificates(gg.Grid(xy))
+    assert (found.kind, found.nodes[1], found.numbers["angle"]) == ("corner", (0, 0), 0)
+
+
 def neck(lean):
     """A channel of one inner row whose sides push teeth at its middle, which lean away from each other."""
     x = np.arange(7.0)
@@ -167,6 +182,29 @@ def test_a_neck_without_a_place_for_its_node():
         free &= (tx - sx) * (y - sy) - (ty - sy) * (x - sx) > 0
     assert not free.any()
     assert node[1] == 1
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 10**6), st.floats(0.1, 0.6))
+def test_of_3_x_3_nodes_there_is_a_certificate_or_a_valid_grid(seed, noise):
+    """Every Jacobian is affine in the one inner node: a linear programme says whether some place makes all positive."""
+    from scipy.optimize import linprog
+
+    xy = gg.domain("square", 3, 3).xy
+    xy += noise * np.random.default_rng(seed).normal(size=xy.shape)
+
+    def jacobians(x, y):
+        xy[1, 1] = x, y
+        return corner_jacobians(xy[..., 0], xy[..., 1]).ravel()
+
+    at_0 = jacobians(0, 0)
+    slopes = np.stack([jacobians(1, 0) - at_0, jacobians(0, 1) - at_0], axis=-1)
+    # The largest margin by which all corners are positive, in a box that is large beside the boundary.
+    answer = linprog([0, 0, -1], A_ub=np.c_[-slopes, np.ones(16)], b_ub=at_0, bounds=[(-1e3, 1e3)] * 2 + [(None, 1)])
+    if abs(answer.fun) > 1e-9:
+        assert bool(gg.certificates(gg.Grid(xy))) == (answer.fun > 0)
+        if answer.fun < 0:
+            assert (jacobians(*answer.x[:2]) > 0).all()
 
 
 @settings(max_examples=60)

@@ -178,6 +178,7 @@ def test_a_negative_number_of_iterations_is_refused(solve, limit):
         {"tolerance": None},
         {"tolerance": [1e-3]},
         {"max_iterations": 2.5},
+        {"max_iterations": True},
         {"max_iterations": "3"},
         {"max_iterations": float("nan")},
     ],
@@ -262,6 +263,13 @@ def test_a_grid_beyond_all_bounds_is_refused(solve, name):
         return
     with pytest.raises(gg.GridgenError, match=r"coordinates reach 1.*e\+200, .* scale them"):
         solve(gg.Grid(mild_grid().xy * 1e200), name)
+
+
+@each_function
+def test_a_grid_whose_powers_vanish_is_refused(solve):
+    """Of coordinates of 1e-100 every product underflows: a folded grid would look like a solution."""
+    with pytest.raises(gg.GridgenError, match=r"extent is .*e-100, .* scale it"):
+        solve(gg.Grid(mild_grid().xy * 1e-100), "winslow")
 
 
 @pytest.mark.parametrize("name", gg.functionals())
