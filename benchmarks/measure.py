@@ -60,9 +60,7 @@ def threads(count: int) -> Iterator[None]:
 def start_grid(name: str, size: int) -> gg.Grid:
     """Return the transfinite grid of a classical domain or of an outline in examples/outlines, size x size nodes."""
     outline = OUTLINES / f"{name}.csv"
-    return (
-        gg.Outline.read(outline).grid(size, size, sampling="equal") if outline.exists() else gg.domain(name, size, size)
-    )
+    return gg.Outline.read(outline).grid(size, size) if outline.exists() else gg.domain(name, size, size)
 
 
 @dataclass(slots=True)

@@ -31,7 +31,7 @@ def main() -> None:
     """Run the parts that are asked for, all by default."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="fewer cases and runs: some ten minutes")
-    parser.add_argument("--largest", type=int, default=1024, help="side of the largest grid, up to 2048")
+    parser.add_argument("--largest", type=int, help="side of the largest grid; 1024 if quick, else 2048")
     parser.add_argument("--part", action="append", choices=PARTS, help="measure this part only, keep the others")
     parser.add_argument("--docs", type=Path, default=FOLDER.parent / "docs", help="where to write")
     options = parser.parse_args()
@@ -51,7 +51,7 @@ def main() -> None:
             drawn = part in ("kernels", "solver", "peers")
             image = f"![{title}, drawn by the benchmark](images/benchmark_{part}.png)\n\n" * drawn
             sections[title] = image + "\n".join(table.markdown() for table in measure())
-    flags = " --quick" * options.quick + f" --largest {options.largest}" * (options.largest != 1024)
+    flags = " --quick" * options.quick + f" --largest {options.largest}" * (options.largest is not None)
     head = _HEAD.format(flags=flags, facts="\n".join(f"* {fact}" for fact in machine()))
     body = [f"## {title}\n\n{sections[title].strip()}\n" for title in parts if title in sections]
     target.write_text("\n".join([head, *body]), encoding="utf-8")

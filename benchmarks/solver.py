@@ -23,26 +23,27 @@ _HEADER = ("functional", "boundary", "nodes", "threads", "wall seconds", "cpu se
 _TEXT = (
     "`gridgen_sym.optimize(start, functional, tolerance=1e-8)` from transfinite interpolation: nested iteration, "
     "untangling where the start is folded, all Python overhead counted. Seconds are the smallest of a few runs; steps "
-    "are those on the finest grid. A case that fails or takes too long is not tried on larger grids. `disturbed`: "
-    "others had the processor all the time (wall seconds well above processor seconds, or a unit slower on two threads "
-    "than on one), so that the row measures them; it is not in the plot."
+    "are those on the finest grid. Units are counted in processor seconds on one thread, which stop while others "
+    "have the processor, and in wall seconds on two. A case that fails or takes too long is not tried on larger grids. "
+    "`disturbed`: the unit changed by a quarter during the solve, or two threads had less than one processor or a unit "
+    "no faster than on one, so that the row measures the machine's load; it is not in the plot."
 )
 Units = dict[tuple[int, str, str], tuple[list[float], list[float]]]
 
 
-def run(quick: bool, largest: int = 1024, picture: Path | None = None) -> list[Table]:
+def run(quick: bool, largest: int | None = None, picture: Path | None = None) -> list[Table]:
     """Measure, and return the tables of cost and of memory.
 
     Args:
-        quick: fewer cases, and 20 seconds for one solve.
-        largest: side of the largest grid.
+        quick: fewer cases, and 20 processor seconds for one solve.
+        largest: side of the largest grid; by default 1024 if quick, else 2048.
         picture: where to draw the cost.
     """
     table, units, failed = Table("Newton's method in work units", _TEXT, _HEADER), Units(), set()
     for count in (1, 2):
-        for cost in _costs(quick, largest, count):
+        for cost in _costs(quick, largest or (1024 if quick else 2048), count):
             name, boundary, size = cost["functional"], cost["boundary"], cost["size"]
-            spent = cost["wall"] / cost["unit"]
+            spent = cost["units"]
             table.add(name, boundary, f"{size}²", count, cost["wall"], cost["cpu"], cost["unit"] * 1e3, round(spent),
                       cost["steps"], cost["outcome"] + ", disturbed" * cost["disturbed"])  # fmt: skip
             if cost["disturbed"]:
@@ -121,7 +122,7 @@ def _peak(method: str, size: int, steps: int) -> float:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="fewer cases")
-    parser.add_argument("--largest", type=int, default=1024, help="side of the largest grid, up to 2048")
+    parser.add_argument("--largest", type=int, help="side of the largest grid; 1024 if quick, else 2048")
     options = parser.parse_args()
     for result in run(options.quick, options.largest):
         print(result.markdown())

@@ -41,13 +41,13 @@ class Grid:
             GridgenError: for another shape, a type that is no real number, or a NaN or infinite coordinate
                 (the message names the first such node).
         """
-        array = real_array(xy, "a grid's node coordinates")
+        array = real_array(xy, "a grid's node coordinates", copy=False)
         if array.ndim != 3 or array.shape[2] != 2:
             raise GridgenError(
                 f"a grid's node coordinates must have the shape (ni, nj, 2), but came with {array.shape}: "
                 "stack x and y along the last axis, or use Grid.from_planes(x, y)"
             )
-        self._store(np.moveaxis(array, -1, 0))
+        self._store(np.array(np.moveaxis(array, -1, 0), order="C"))
 
     @classmethod
     def from_planes(cls, x: ArrayLike, y: ArrayLike) -> Grid:
@@ -56,18 +56,19 @@ class Grid:
         Raises:
             GridgenError: as for `Grid`, and when the two shapes differ.
         """
-        px, py = real_array(x, "a grid's plane x"), real_array(y, "a grid's plane y")
+        px, py = real_array(x, "a grid's plane x", copy=False), real_array(y, "a grid's plane y", copy=False)
         if px.ndim != 2 or px.shape != py.shape:
             raise GridgenError(
                 f"the planes x and y must have one shape (ni, nj), but came with {px.shape} and {py.shape}"
             )
         grid = object.__new__(cls)
-        grid._store(np.stack((px, py)))
+        planes = np.empty((2, *px.shape))
+        planes[0], planes[1] = px, py
+        grid._store(planes)
         return grid
 
     def _store(self, planes: FloatArray) -> None:
-        """Keep a contiguous read-only copy of `planes` (2, ni, nj), once it is known to be a grid."""
-        planes = np.array(planes, dtype=np.float64, order="C", copy=True)
+        """Keep `planes` (2, ni, nj), contiguous and referred to by nothing else, once they are known to be a grid."""
         _, ni, nj = planes.shape
         if min(ni, nj) < SMALLEST:
             raise GridgenError(
@@ -132,8 +133,8 @@ class Grid:
         return Grid.from_planes, (self.planes[0], self.planes[1])
 
 
-def real_array(values: ArrayLike, what: str) -> FloatArray:
-    """Return `values` as float64, or say which type came instead of real numbers.
+def real_array(values: ArrayLike, what: str, *, copy: bool = True) -> FloatArray:
+    """Return `values` as float64, without `copy` perhaps themselves, or say which type came instead of real numbers.
 
     Raises:
         GridgenError: for ragged, complex, textual or otherwise non-numeric values; `what` names them.
@@ -143,7 +144,7 @@ def real_array(values: ArrayLike, what: str) -> FloatArray:
         if array.dtype.kind not in "biufO":  # A complex or a textual array would be converted by NumPy, lossily.
             raise TypeError(f"numbers of type {array.dtype} came")
         with np.errstate(over="ignore"):  # A too large long double becomes inf, which is reported as such.
-            return array.astype(np.float64)
+            return array.astype(np.float64, copy=copy)
     except (TypeError, ValueError, OverflowError) as error:
         raise GridgenError(f"{what} must be an array of real numbers: {error}") from error
 

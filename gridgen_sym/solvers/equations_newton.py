@@ -89,11 +89,9 @@ def _reduce(
     """
     folds = False
     norm, fixed = norm_of(residual), equations.problem.fixed
-    planes = equations.jacobian(coordinates)
     if damping == 0.0:
-        direction = (
-            solver.solve(-residual, _FORCING).vector if solver.set_operator(planes) else np.full_like(residual, np.nan)
-        )
+        usable = solver.set_operator(equations.jacobian(coordinates))
+        direction = solver.solve(-residual, _FORCING).vector if usable else np.full_like(residual, np.nan)
         for length in 0.5 ** np.arange(_HALVINGS):
             trial = coordinates + length * direction
             if not _above(trial, guard):
@@ -101,7 +99,7 @@ def _reduce(
             elif norm_of(equations.residual(trial)) <= (1 - 1e-4 * length) * norm:
                 return length * direction, 0.0, folds
         damping = _FIRST_DAMPING
-    matrix = assemble_jacobian(planes, fixed)
+    matrix = assemble_jacobian(equations.jacobian(coordinates), fixed)
     right = -to_vector(residual, fixed)
     normal, slope = (matrix.T @ matrix).tocsc(), matrix.T @ right
     size = normal.diagonal().mean()

@@ -20,8 +20,8 @@ class Solution:
         vector: (2, ni, nj), zero at fixed nodes.
         iterations: number of products with the operator; 0 for a direct solver.
         reduction: of the residual's norm.
-        positive: whether the operator was positive along every direction that was met; else `vector` is an
-            iterate before it showed.
+        positive: whether the operator was positive along every direction that was met; else `vector` is a
+            direction along which it is not.
     """
 
     vector: Array
@@ -34,7 +34,10 @@ class LinearSolver(Protocol):
     """Solves with a stencil over the free nodes, given by its planes: of a Hessian, or of a Jacobian."""
 
     def set_operator(self, planes: Array) -> bool:
-        """Take a stencil, which may be changed in place; return whether it can be solved with."""
+        """Take a stencil (contiguous planes), whose memory is the solver's until the next; return whether it can solve.
+
+        The solutions, too, may stand in that memory.
+        """
         ...
 
     def solve(self, right: Array, tolerance: float) -> Solution:

@@ -48,6 +48,7 @@ class Nested:
         parameters: of the functional.
         report: is told of every step.
         solved: (2, ni, nj), the finest grid that is done.
+        backend: of its kernels.
     """
 
     make: Callable[[Grid], Problem]
@@ -55,6 +56,7 @@ class Nested:
     parameters: Mapping[str, float] | None
     report: Progress
     solved: Array | None = None
+    backend: str = ""
 
     def solve(self, coordinates: Array) -> None:
         """Solve on all grids coarser than `coordinates` (2, ni, nj), of which the boundary is used."""
@@ -66,11 +68,12 @@ class Nested:
         """Return the start that the finest solved grid gives on a grid with the boundary of `coordinates`."""
         if self.solved is None:
             return coordinates
-        return finer_start(self.solved, coordinates, self.make(Grid.from_planes(*coordinates)).kernels.backend)
+        return finer_start(self.solved, coordinates, self.backend)
 
     def _solve(self, start: Array) -> Array:
         """Return the solution on one coarse grid, or the least folded grid where it has none with so few nodes."""
         problem, shape = self.make(Grid.from_planes(*start)), (start.shape[1], start.shape[2])
+        self.backend = problem.kernels.backend
         if problem.kernels.barrier and not problem.energy(start)[1] > 0:
             self.report.begin("untangle", shape)
             if not unfold(problem, self.functional, start, self.parameters, self.report):

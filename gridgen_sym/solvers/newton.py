@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime import Array
-from .linear import LinearSolver, hessian_solver
+from .linear import LinearSolver, Solution, hessian_solver
 from .problem import Problem, converged_message, diverges, inner, jacobian_floor, norm_of, step_control_message
 from .progress import Progress
 
@@ -19,6 +19,8 @@ _PATIENCE, _LITTLE = 5, 1e-6
 _LARGEST_SHIFT, _SMALLEST_SHIFT = 1e3, 1e-8
 #: The first shift of a full Hessian that is not positive, likewise.
 _FIRST_SHIFT = 1e-4
+#: A whole step that leaves more than this part of the gradient's norm has led nowhere; so many of them in a row stall.
+_STALLED, _STALLS = 0.5, 2
 #: Relative residuals of the linear solves, and that of the last one.
 _LOOSEST, _TIGHTEST, _LAST = 0.1, 1e-3, 1e-5
 
@@ -41,7 +43,9 @@ def minimize(
     Uses the full Hessian while its steps lead downhill and are not cut; after a step that was cut, the
     semidefinite one, shifted where it is singular; for a functional that is not polyconvex the full one, with the
     smallest shift that conjugate gradients find positive, kept from step to step. With `semidefinite` only the
-    semidefinite one. The linear systems are solved only as well as the step deserves (Eisenstat and Walker 1996).
+    semidefinite one. Where whole steps lead nowhere and the full Hessian is not positive, the grid is near a saddle
+    point, which is left along the direction of negative curvature that conjugate gradients have met. The linear systems
+    are solved only as well as the step deserves (Eisenstat and Walker 1996).
 
     Args:
         problem: what is minimised.
@@ -66,7 +70,7 @@ def minimize(
     progress.step(0, energy, norm, smallest)
     floor, round_off = jacobian_floor(smallest), problem.round_off(coordinates, gradient)
     state = _Newton(problem, solver or hessian_solver(problem.fixed, problem.kernels.backend), semidefinite)
-    cut, held_back, extent = 0, 0, float(np.ptp(coordinates))
+    cut, held_back, extent, trial = 0, 0, float(np.ptp(coordinates)), np.empty_like(coordinates)
     for iteration in range(max_iterations + 1):
         if until_valid and smallest > 0:
             return True, "the grid is valid."
@@ -76,7 +80,7 @@ def minimize(
             break
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.
         lowest = max(floor, 0.1 * smallest) if guard and smallest > 0 else -np.inf
-        search = _Search(problem, coordinates, energy, gradient, lowest)
+        search = _Search(problem, coordinates, energy, gradient, lowest, trial)
         step = state.downhill(search)
         if step is None:
             return False, _stuck("no step downhill was found", norm, first)
@@ -102,6 +106,11 @@ def _stuck(why: str, norm: float, first: float) -> str:
     return f"{why}. The gradient's norm is {norm:.2e}, {norm / (first or 1):.1e} of its first value."
 
 
+def _noise(energy: float) -> float:
+    """Return how much of an energy is rounding: smaller differences mean nothing."""
+    return 1e2 * float(np.finfo(float).eps) * abs(energy)
+
+
 @dataclass(slots=True)
 class _Newton:
     """Which Hessian to use, how much to shift it, and how well to solve with it; learnt from step to step.
@@ -111,6 +120,8 @@ class _Newton:
         cautious: use the semidefinite one next, because the last step was cut; never where it only shifts.
         shift: added to the diagonal, over its mean.
         forcing: relative residual of the next linear solve.
+        stalls: whole steps in a row that have led nowhere. If the full Hessian is not positive then, the grid is near a
+            saddle point, and only a direction of negative curvature leads away from it.
     """
 
     problem: Problem
@@ -119,6 +130,7 @@ class _Newton:
     cautious: bool = False
     shift: float = 0.0
     forcing: float = _LOOSEST
+    stalls: int = 0
     exact: bool = False
     planes: Array | None = None
 
@@ -135,9 +147,9 @@ class _Newton:
         """Return a step that lowers the energy, or None if no shift gives one."""
         semidefinite = self.only_semidefinite or self.cautious
         while self.shift < _LARGEST_SHIFT:
-            direction = self._direction(search, semidefinite)
-            if direction is not None and search.along(direction):
-                return search.length * direction
+            solution = self._solve(search, semidefinite)
+            if solution is not None and self._search(search, solution):
+                return np.multiply(solution.vector, search.length, out=solution.vector)
             if not self.clamps:
                 self.shift = max(4 * self.shift, _FIRST_SHIFT)
             elif semidefinite:
@@ -145,8 +157,8 @@ class _Newton:
             semidefinite = self.clamps
         return None
 
-    def _direction(self, search: _Search, semidefinite: bool) -> Array | None:
-        """Return Newton's direction, or None if this Hessian is not positive."""
+    def _solve(self, search: _Search, semidefinite: bool) -> Solution | None:
+        """Return Newton's direction, or one of negative curvature; None if this Hessian has bad diagonal blocks."""
         self.exact = not semidefinite
         self.planes = self.problem.hessian(search.coordinates, semidefinite=semidefinite, out=self.planes)
         # The semidefinite Hessian may be singular (area's is); a small shift makes it definite.
@@ -157,8 +169,15 @@ class _Newton:
             self.planes[2] += shift * size
         if not self.solver.set_operator(self.planes):
             return None
-        solution = self.solver.solve(-search.gradient, self.forcing)
-        return solution.vector if solution.positive else None
+        solution = self.solver.solve(search.gradient, self.forcing)
+        np.negative(solution.vector, out=solution.vector)
+        return solution
+
+    def _search(self, search: _Search, solution: Solution) -> bool:
+        """Look along Newton's direction, or where that has failed along one of negative curvature."""
+        if solution.positive:
+            return search.along(solution.vector)
+        return self.stalls >= _STALLS and search.away(solution.vector)
 
     def learn(self, search: _Search, reduction: float, wanted: float) -> None:
         """Draw the lesson of a step that changed the gradient's norm by a factor.
@@ -166,7 +185,8 @@ class _Newton:
         Newton's method squares that factor. Where that will do for the factor that is still `wanted`, the next system
         is the last, and is solved just as well as that: a little more work on it saves a step.
         """
-        length = search.length
+        length = abs(search.length)
+        self.stalls = self.stalls + 1 if length == 1.0 and reduction > _STALLED else 0
         if self.clamps:
             self.cautious = length < (0.2 if self.exact else 0.5)
             self.shift = 0.0 if length == 1.0 and self.exact else (self.shift / 10 if length > 0.5 else self.shift)
@@ -185,7 +205,8 @@ class _Search:
 
     Attributes:
         lowest: the Jacobian that no corner may fall to.
-        length: of the accepted step; 1 is the whole Newton step.
+        trial: (2, ni, nj), where trial grids are put.
+        length: of the accepted step; 1 is the whole Newton step. Negative where it leads against its direction.
         folds: whether a longer step was refused because it would have folded a cell.
     """
 
@@ -194,22 +215,44 @@ class _Search:
     energy: float
     gradient: Array
     lowest: float
+    trial: Array
     length: float = 0.0
     folds: bool = False
 
     def along(self, direction: Array) -> bool:
         """Find the longest step 1, 1/2, ... that lowers the energy enough and folds nothing."""
         slope = inner(self.gradient, direction)
-        round_off = 1e2 * np.finfo(float).eps * abs(self.energy)
+        round_off = _noise(self.energy)
         self.length, self.folds = 1.0, False
-        place = np.empty_like(direction)
         for _ in range(_HALVINGS):
-            np.multiply(direction, self.length, out=place)
-            place += self.coordinates
-            trial, smallest = self.problem.energy(place)
-            lower = trial <= self.energy + _SUFFICIENT * self.length * slope + round_off
+            energy, smallest = self._energy_at(direction, self.length)
+            lower = energy <= self.energy + _SUFFICIENT * self.length * slope + round_off
             if lower and smallest > self.lowest:
                 return True
             self.folds |= bool(lower)
             self.length *= 0.5
         return False
+
+    def away(self, direction: Array) -> bool:
+        """Find the length, up to one that moves a node across the grid, that lowers the energy most and folds nothing.
+
+        The direction is one of negative curvature, and its own length means nothing.
+        """
+        sign = -1.0 if inner(self.gradient, direction) > 0 else 1.0
+        length = sign * float(np.ptp(self.coordinates)) / float(np.abs(direction).max())
+        least = self.energy - _noise(self.energy)
+        self.length, self.folds = 0.0, False
+        for _ in range(_HALVINGS):
+            energy, smallest = self._energy_at(direction, length)
+            if energy < least and smallest > self.lowest:
+                self.length, least = length, energy
+            elif self.length:
+                break
+            length *= 0.5
+        return self.length != 0.0
+
+    def _energy_at(self, direction: Array, length: float) -> tuple[float, float]:
+        """Return the energy and the smallest Jacobian after a step of this length."""
+        np.multiply(direction, length, out=self.trial)
+        self.trial += self.coordinates
+        return self.problem.energy(self.trial)

@@ -9,20 +9,28 @@ boundary adds is spread into the domain, by Laplace's equation: it is small, osc
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
 
-from ..grids import transfinite
+import numpy as np
+import numpy.typing as npt
+
+from ..grids import corner_jacobians, transfinite
 from ..runtime import HESSIAN_PLANES, Array
 from .linear import hessian_solver
 from .untangle import Folds
 
 #: Relative residual to which Laplace's equation is solved: a start needs no more.
 _LAPLACE = 1e-2
+#: Rows of nodes that are worked on at once.
+_BLOCK = 32
 
 
 def coarse_start(coordinates: Array, shape: tuple[int, int]) -> Array:
     """Return the transfinite interpolation (2, ni, nj) of a grid's boundary, resampled to `shape`."""
-    return from_boundary(resample(coordinates, shape, linear=True))
+    sides = coordinates[:, :, 0], coordinates[:, :, -1], coordinates[:, 0], coordinates[:, -1]
+    counts = shape[0], shape[0], shape[1], shape[1]
+    along = (_resample_lines(side, count, linear=True) for side, count in zip(sides, counts, strict=True))
+    return transfinite(*(side.T for side in along)).planes.copy()
 
 
 def finer_start(coarse: Array, fine_boundary: Array, backend: str) -> Array:
@@ -35,21 +43,28 @@ def finer_start(coarse: Array, fine_boundary: Array, backend: str) -> Array:
     """
     interpolated = from_boundary(fine_boundary)
     start = _displaced(coarse, interpolated)
-    least = Folds.of(start)
-    if not least.cells:
+    if _is_valid(start):
         return start
+    least = Folds.of(start)
     for other in (_spread(coarse, interpolated, backend), interpolated):
         folds = Folds.of(other)
         if folds < least:
             start, least = other, folds
-    return start
+    return start.copy()  # What transfinite interpolation gives must not be changed.
+
+
+def _is_valid(coordinates: Array) -> bool:
+    """Return whether no cell is folded."""
+    x, y = coordinates
+    blocks = ((x[block.start : block.stop + 1], y[block.start : block.stop + 1]) for block in _blocks(len(x) - 1))
+    return all(bool((corner_jacobians(*planes) > 0).all()) for planes in blocks)
 
 
 def _displaced(coarse: Array, interpolated: Array) -> Array:
     """Return a transfinite grid plus the displacement of the coarse grid from its own."""
-    start = interpolated.copy()
-    displacement = resample(coarse - from_boundary(coarse), start.shape[1:], linear=False)
-    start[:, 1:-1, 1:-1] += displacement[:, 1:-1, 1:-1]
+    start = coarse - from_boundary(coarse)  # Zero at the boundary, and so is what is interpolated from it.
+    start = resample(start, interpolated.shape[1:], linear=False)
+    start += interpolated
     return start
 
 
@@ -80,31 +95,50 @@ def _solve_laplace(right: Array, backend: str) -> Array:
 
 
 def from_boundary(coordinates: Array) -> Array:
-    """Return the transfinite interpolation of the boundary of (2, ni, nj) coordinates."""
+    """Return the transfinite interpolation, read-only, of the boundary of (2, ni, nj) coordinates."""
     sides = coordinates[:, :, 0], coordinates[:, :, -1], coordinates[:, 0], coordinates[:, -1]
-    bottom, top, left, right = (side.T for side in sides)
-    return transfinite(bottom, top, left, right).planes.copy()
+    return transfinite(*(side.T for side in sides)).planes
 
 
 def resample(field: Array, shape: tuple[int, ...], *, linear: bool) -> Array:
     """Interpolate a field (2, ni, nj), uniform in the logical square, to another number of nodes."""
-    for axis, count in ((1, shape[0]), (2, shape[1])):
-        if field.shape[axis] != count:
-            field = _resample_axis(field, axis, count, linear=linear or field.shape[axis] < 4)
-    return field
+    return _resample_rows(_resample_lines(field, shape[1], linear=linear), shape[0], linear=linear)
 
 
-def _resample_axis(field: Array, axis: int, count: int, *, linear: bool) -> Array:
-    """Interpolate along one axis: Lagrange's polynomial through the 2 or 4 nearest nodes."""
-    given = field.shape[axis]
+def _resample_lines(field: Array, count: int, *, linear: bool) -> Array:
+    """Interpolate along the last axis."""
+    if field.shape[-1] == count:
+        return field
+    first, factors = _lagrange(field.shape[-1], count, linear=linear)
+    rows = field.reshape(-1, field.shape[-1])
+    result = np.zeros((len(rows), count))
+    for block in _blocks(len(rows)):
+        for k, factor in enumerate(factors):
+            result[block] += factor * rows[block, first + k]
+    return result.reshape(*field.shape[:-1], count)
+
+
+def _resample_rows(field: Array, count: int, *, linear: bool) -> Array:
+    """Interpolate a field (2, ni, nj) along the axis of i."""
+    if field.shape[1] == count:
+        return field
+    first, factors = _lagrange(field.shape[1], count, linear=linear)
+    result = np.zeros((2, count, field.shape[2]))
+    for block in _blocks(count):
+        for k, factor in enumerate(factors):
+            result[:, block] += factor[block, None] * field[:, first[block] + k]
+    return result
+
+
+def _lagrange(given: int, count: int, *, linear: bool) -> tuple[npt.NDArray[np.intp], Array]:
+    """Return the first of the 2 or 4 nodes from which each new one is interpolated, and the factors of all."""
     place = np.linspace(0.0, given - 1.0, count)
-    points = 2 if linear else 4
-    first = np.clip(np.floor(place).astype(int) - (points // 2 - 1), 0, given - points)
-    local = place - first
-    moved = np.moveaxis(field, axis, -1)
-    result = np.zeros((*moved.shape[:-1], count))
-    for k in range(points):
-        others = [m for m in range(points) if m != k]
-        factor = np.prod([(local - m) / (k - m) for m in others], axis=0)
-        result += factor * moved[..., first + k]
-    return np.ascontiguousarray(np.moveaxis(result, -1, axis))
+    points = 2 if linear or given < 4 else 4
+    first = np.clip(np.floor(place).astype(np.intp) - (points // 2 - 1), 0, given - points)
+    local, nodes = place - first, range(points)
+    return first, np.array([np.prod([(local - m) / (k - m) for m in nodes if m != k], axis=0) for k in nodes])
+
+
+def _blocks(count: int) -> Iterator[slice]:
+    """Yield groups of rows: what is made of one of them on the way stays in the processor's cache."""
+    return (slice(begin, begin + _BLOCK) for begin in range(0, count, _BLOCK))

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
+from gridgen_sym.solvers.linear import DirectSolver
 from gridgen_sym.solvers.multigrid import GeneralMultigrid, Multigrid
 from gridgen_sym.solvers.nested import coarse_shapes
 from gridgen_sym.solvers.problem import make_problem
@@ -13,6 +15,7 @@ from gridgen_sym.solvers.sparse import assemble_hessian, assemble_jacobian, to_v
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="multigrid is compiled")
 
+AIRFOIL = SHARED / "domains" / "outlines" / "naca0012_cblock.csv"
 SHAPES = [(9, 12), (8, 9), (5, 6), (4, 17), (33, 5)]
 HESSIAN_NEIGHBORS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
 
@@ -132,7 +135,7 @@ def test_any_number_of_threads_gives_the_same_bits(make, planes_of, monkeypatch)
     for threads in ("1", "2", "3"):
         monkeypatch.setenv("OMP_NUM_THREADS", threads)
         multigrid = make(fixed)
-        assert multigrid.set_operator(planes)
+        assert multigrid.set_operator(planes.copy())
         solutions.append(multigrid.solve(right, 1e-6).vector)
     for solution in solutions[1:]:
         np.testing.assert_array_equal(solution, solutions[0])
@@ -164,15 +167,37 @@ def test_sheared_lines_are_solved_in_both_directions():
     np.testing.assert_allclose(np.swapaxes(two.vector, 1, 2), one.vector, atol=1e-4 * scale)
 
 
-def test_an_indefinite_operator_is_told():
+@pytest.mark.parametrize("make", [Multigrid, lambda fixed: DirectSolver(fixed, assemble_hessian)], ids=["cg", "direct"])
+def test_a_saddle_is_told_with_a_direction_away_from_it(make):
     planes, fixed = hessian((9, 12))
-    # Couplings stronger than the diagonal: positive blocks, and a matrix that is not.
-    planes[3:] *= 4
-    multigrid = Multigrid(fixed)
-    if multigrid.set_operator(planes):
-        assert not multigrid.solve(np.ones((2, 9, 12)) * (fixed == 0), 1e-10).positive
+    # A little less than the smallest eigenvalue: positive blocks, and one negative eigenvalue.
+    values = np.linalg.eigvalsh(assemble_hessian(planes, fixed).toarray())
+    planes[[0, 2]] -= 0.5 * (values[0] + values[1])
+    matrix, solver = assemble_hessian(planes, fixed), make(fixed)
+    assert solver.set_operator(planes)
+    right = np.random.default_rng(0).normal(size=(2, 9, 12)) * (fixed == 0)
+    answer = solver.solve(right, 1e-10)
+    if answer.positive:  # A direct solver looks along its solution only.
+        answer = solver.solve(answer.vector.copy(), 1e-10)
+    assert not answer.positive
+    direction = to_vector(answer.vector, fixed)
+    assert direction @ matrix @ direction < 0
+
+
+def test_an_operator_with_bad_blocks_is_told():
+    planes, fixed = hessian((9, 12))
     planes[0] = -1.0
     assert not Multigrid(fixed).set_operator(planes)
+
+
+@pytest.mark.skipif(not AIRFOIL.exists(), reason=NO_SHARED.format("domains/outlines"))
+def test_a_saddle_point_is_left():
+    """Newton's method comes to a saddle first; without negative curvature it stays there for 400 steps."""
+    saddle = 114736.19113
+    result = gg.optimize(gg.Outline.read(AIRFOIL).grid(81, 81), "winslow", tolerance=1e-8)
+    assert result.converged, result.message
+    assert result.iterations <= 60
+    assert result.energy < saddle - 0.1
 
 
 def test_the_number_of_steps_does_not_grow_with_the_grid():

@@ -11,7 +11,7 @@ import ctypes
 
 import numpy as np
 
-from ...runtime import Array, Mask
+from ...runtime import Array
 from ..linear import Solution
 from .hierarchy import Hierarchy
 
@@ -28,16 +28,21 @@ class _Krylov(Hierarchy):
     vectors: int
     sums: int
 
-    def __init__(self, fixed: Mask) -> None:
-        """Allocate for a grid with these fixed nodes (its boundary among them)."""
-        super().__init__(fixed)
-        self._work = np.zeros(0)
+    def set_operator(self, planes: Array) -> bool:
+        """Take the planes of a stencil, as a hierarchy does; their memory is then what `solve` works in.
+
+        They are the largest array of all and have done their duty. Fresh memory costs more time than the arithmetic.
+        """
+        if not super().set_operator(planes):
+            return False
+        work, field = self.vectors * self.arrays[0].right.size + self.sums * planes.shape[1], planes[:2]
+        block = planes.ravel() if planes.size >= field.size + work else np.empty(field.size + work)
+        self._solution, self._work = block[: field.size].reshape(field.shape), block[field.size :]
+        return True
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve for a right-hand side (2, ni, nj) that is zero at fixed nodes, to a relative residual."""
-        if not self._work.size:
-            self._work = np.zeros(self.vectors * self.arrays[0].right.size + self.sums * right.shape[1])
-        solution, reduction = np.empty_like(right), ctypes.c_double(0.0)
+        solution, reduction = self._solution, ctypes.c_double(0.0)
         iterations = self.library.solve(
             self.levels,
             len(self.levels),

@@ -109,17 +109,13 @@ static int64_t iterate_and_restart(const Level *levels, int64_t count, Team team
 }
 
 /* Solve A solution = factor right to a relative residual, A being the finest level's; right and solution are planes
- * (2, ni, nj), zero at fixed nodes. work has 6 vectors of zeros, then 2 ni numbers. Returns the number of products. */
+ * (2, ni, nj), zero at fixed nodes. work has room for 6 vectors, then for 2 ni numbers. Returns the number of products. */
 EXPORT int64_t solve(const Level *levels, int64_t count, const double *right, double *solution, double *work,
                      double tolerance, int64_t limit, double factor, double *reduction) {
   const Vectors w = vectors_in(levels, work);
-  const int64_t bytes = 2 * levels->stride * (int64_t)sizeof(double);
   int64_t iterations = 0;
   WITH_TEAM(team, levels->threads) {
-    ROWS(levels, team, i) {
-      const int64_t n = 2 * i * levels->stride;
-      memset(w.x + n, 0, bytes);
-    }
+    for (double *vector = w.x; vector <= w.t; vector += w.r - w.x) clear_vector(levels, team, vector);
     wait_for(team);
     const int64_t done = iterate_and_restart(levels, count, team, w, right, tolerance, limit, reduction);
     wait_for(team);

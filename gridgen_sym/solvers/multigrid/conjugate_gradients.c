@@ -97,23 +97,20 @@ static int64_t iterate(const Level *levels, int64_t count, Team team, Vectors v,
 }
 
 /* Solve A solution = factor right to a relative residual, A being the finest level's; right and solution are planes
- * (2, ni, nj), zero at fixed nodes. work has 4 vectors of zeros, then 3 ni numbers. Returns the number of iterations,
- * negative if a direction of negative curvature was met (the solution is then the iterate before it, or the right-hand
- * side at the first). */
+ * (2, ni, nj), zero at fixed nodes. work has room for 4 vectors, then for 3 ni numbers. Returns the number of iterations,
+ * negative if a direction without positive curvature was met: that direction is then the solution. */
 EXPORT int64_t solve(const Level *levels, int64_t count, const double *right, double *solution, double *work,
                      double tolerance, int64_t limit, double factor, double *reduction) {
   const Vectors v = vectors_in(levels, work);
   int64_t iterations = 0;
   WITH_TEAM(team, levels->threads) {
-    ROWS(levels, team, i)
-      for (double *vector = v.x; vector <= v.q; vector += v.r - v.x)
-        if (vector != v.r) memset(vector + 2 * i * levels->stride, 0, 2 * levels->stride * sizeof(double));
+    for (double *vector = v.x; vector <= v.q; vector += v.r - v.x) clear_vector(levels, team, vector);
+    wait_for(team);
     take_vector(levels, team, right, v.r);
     wait_for(team);
     const int64_t done = iterate(levels, count, team, v, tolerance, limit, reduction);
-    if (done == -1) take_vector(levels, team, right, v.x);
     wait_for(team);
-    give_vector(levels, team, v.x, solution, factor);
+    give_vector(levels, team, done < 0 ? v.p : v.x, solution, factor);
     if (team.rank == 0) iterations = done;
   }
   return iterations;

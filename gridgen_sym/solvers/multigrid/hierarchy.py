@@ -18,6 +18,8 @@ _COARSEST = 4
 _NODES_PER_THREAD = 8192
 #: A direction whose couplings are weaker than this part of the other's is not halved.
 _WEAK = 0.25
+#: Rows that are looked at together, or for all.
+_ROWS = 64
 #: Rows begin at multiples of this many numbers, odd ones, lest all rows fall into the same lines of a cache.
 _ALIGNMENT = 16
 
@@ -101,7 +103,7 @@ class Hierarchy:
             Whether the diagonal blocks of all levels are usable: regular, and positive definite if symmetric. Only
             then may `solve` be called.
         """
-        self.size = float(np.abs(planes[self._layout.center]).mean())
+        self.size = _mean_size(planes[self._layout.center])
         if not 0 < self.size < np.inf:
             return False
         if self.levels is None:
@@ -127,8 +129,10 @@ class Hierarchy:
 
     def _directions(self, level: LevelArrays) -> tuple[bool, bool]:
         """Return which directions of a level to halve, rows and columns."""
+        ni, nj = level.fixed.shape
+        some = slice(None, None, max(1, ni // _ROWS))  # Of a large grid, some rows tell enough.
         rows, columns = (
-            float(sum(np.abs(level.operator[:, entry, : level.fixed.shape[1]]).mean() for entry in pair))
+            float(sum(np.abs(level.operator[some, entry, :nj]).mean() for entry in pair))
             for pair in self._layout.couplings
         )
         large = tuple(count > _COARSEST for count in level.fixed.shape)
@@ -139,6 +143,12 @@ class Hierarchy:
     def _coarsen(self, fine: Level, coarse: Level) -> None:
         """Set Galerkin's operator of a level from the one above."""
         self.library.coarsen(ctypes.byref(fine), ctypes.byref(coarse), self._rows.ctypes.data)
+
+
+def _mean_size(plane: Array) -> float:
+    """Return the mean of absolute values, few rows at once: fresh memory for a whole plane takes far longer."""
+    blocks = (plane[begin : begin + _ROWS] for begin in range(0, len(plane), _ROWS))
+    return sum(float(np.abs(block).sum()) for block in blocks) / plane.size
 
 
 def _coarse_mask(fixed: Mask, halved: tuple[bool, bool]) -> Mask:

@@ -1,5 +1,12 @@
 /* What Krylov's methods share: vectors in double precision, and their products with the finest operator. */
 
+/* Zero everywhere, and so for good at the boundary and where rows are longer than the grid. */
+static void clear_vector(const Level *level, Team team, double *vector) {
+  const int64_t width = 2 * level->stride;
+  for (int64_t i = share(level->ni, team.rank, team.size); i < share(level->ni, team.rank + 1, team.size); ++i)
+    memset(vector + i * width, 0, width * sizeof(double));
+}
+
 /* From planes (2, ni, nj) to a vector, at the inner nodes. */
 static void take_vector(const Level *level, Team team, const double *planes, double *restrict to) {
   ROWS(level, team, i)
