@@ -34,7 +34,7 @@ class Work:
 #: Bytes: coordinates are read once, results are written and, before that, read by the processor.
 _WORK = {
     "energy": Work((("corner_energy", 4),), 16),
-    "energy + gradient": Work((("corner_gradient", 4),), 16 + 2 * 16),
+    "energy + gradient": Work((("corner_slopes", 4),), 16 + 2 * 16),
     "Hessian": Work((("corner_hessian", 4),), 16 + 2 * 152),
     "semidefinite Hessian": Work((("corner_semidefinite", 4),), 16 + 2 * 152),
     "Hessian times vector": Work((("corner_hessian_vector", 4),), 2 * 16 + 2 * 16),

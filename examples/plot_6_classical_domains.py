@@ -2,8 +2,7 @@
 =====================
 
 The test domains of the literature, each with its Winslow grid. Transfinite interpolation, where each one starts, folds
-cells of the swan and half of those of the zee. With so few cells the zee is not unfolded completely, and the program
-says which cells stay.
+cells of the swan and half of those of the zee; no cell of the results is folded.
 """
 
 import gridgen_sym as gg
@@ -17,7 +16,6 @@ for name, result in results.items():
 
 assert gg.quality(starts["swan"]).folded_cells == 23
 assert gg.quality(starts["zee"]).folded_cells == 288
-assert all(result.quality.valid for name, result in results.items() if name != "zee")
-assert results["zee"].quality.folded_cells <= 2
+assert all(result.converged and result.quality.valid for result in results.values())
 
 gg.plot_grids([(name, result.grid) for name, result in results.items()], "classical_domains.png")

@@ -23,6 +23,7 @@ from .adaptation import Monitor as Monitor
 from .adaptation import adapt as adapt
 from .adaptation import equidistribution as equidistribution
 from .adaptation import hierarchical_error as hierarchical_error
+from .adaptation import interpolation_error as interpolation_error
 from .adaptation import recover_gradient as recover_gradient
 from .adaptation import recover_hessian as recover_hessian
 from .adaptation import recovery_error as recovery_error
@@ -54,5 +55,7 @@ from .solvers import energy as energy
 from .solvers import gradient as gradient
 from .solvers import hessian as hessian
 from .solvers import optimize as optimize
+from .solvers import raster_field as raster_field
+from .solvers import scattered_field as scattered_field
 from .solvers import solve_euler_lagrange as solve_euler_lagrange
 from .solvers import untangle as untangle

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import runpy
 from pathlib import Path
 
@@ -9,21 +10,50 @@ import pytest
 
 SCRIPTS = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
 
+PAGE = (Path(__file__).parent.parent / "docs" / "adaptation.md").read_text(encoding="utf-8")
+#: What the page on adaptation says that scripts print.
+TABLES = dict(re.findall(r"```bash\npython examples/(\S+)\n```\n\n```\n(.*?)```", PAGE, re.DOTALL))
+
+
+def assert_alike(printed, told):
+    """Compare lines: words must be the same, numbers may differ by a fifth, as they do from one machine to another."""
+    assert len(printed) == len(told)
+    for line, expected in zip(printed, told, strict=True):
+        words, others = line.split(), expected.split()
+        assert len(words) == len(others), f"{line!r} is not {expected!r}"
+        for word, other in zip(words, others, strict=True):
+            number = re.fullmatch(r"\d+\.\d+(e[+-]\d+)?", other)
+            same = float(word) == pytest.approx(float(other), rel=0.2) if number else word == other or other.isdigit()
+            assert same, f"{line!r} is not {expected!r}"
+
 
 def test_there_are_examples():
-    assert len(SCRIPTS) >= 10
+    assert len(SCRIPTS) >= 15
+    assert len(TABLES) == 3
+
+
+def test_a_table_that_differs_is_noticed():
+    assert_alike(["a 1.10e-02 7"], ["a 1.00e-02 8"])
+    for wrong in (["a 1.30e-02 8"], ["b 1.00e-02 8"], ["a 1.00e-02"], []):
+        with pytest.raises(AssertionError):
+            assert_alike(wrong, ["a 1.00e-02 8"])
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 @pytest.mark.usefixtures("clean_registry")
-def test_an_example_runs(script, tmp_path, monkeypatch):
+def test_an_example_runs(script, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")
+    text = script.read_text(encoding="utf-8")
+    assert "assert " in text
+    if "import skfem" in text:
+        pytest.importorskip("skfem")
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.chdir(tmp_path)
-    assert "assert " in script.read_text(encoding="utf-8")
     runpy.run_path(str(script), run_name="__main__")
     written = {path.suffix for path in tmp_path.iterdir()}
     assert written <= {".vts", ".xyz", ".png"}
+    if script.name in TABLES:
+        assert_alike(capsys.readouterr().out.splitlines(), TABLES[script.name].splitlines())
 
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")

@@ -4,7 +4,7 @@
  * Density: J**2*s/2
  * Definition: c7485cf671e7f848
  * corner_energy                 5 operations (1 additions, 4 multiplications, 0 divisions, 0 functions)
- * corner_gradient              13 operations (1 additions, 12 multiplications, 0 divisions, 0 functions)
+ * corner_slopes                 9 operations (1 additions, 8 multiplications, 0 divisions, 0 functions)
  * corner_hessian               50 operations (3 additions, 47 multiplications, 0 divisions, 0 functions)
  * corner_semidefinite          18 operations (0 additions, 18 multiplications, 0 divisions, 0 functions)
  * corner_hessian_vector        45 operations (14 additions, 31 multiplications, 0 divisions, 0 functions)
@@ -94,25 +94,21 @@ INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta
   return (corner_energy_values){energy, jacobian};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3, p0, p1; } corner_gradient_values;
+typedef struct { double energy, jacobian, slope_J, p0, p1; } corner_slopes_values;
 
-INLINE corner_gradient_values corner_gradient(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
   (void)s_xx;
   (void)s_xy;
   (void)s_yy;
   (void)parameters;
   const double J = x_xi*y_eta - x_eta*y_xi;
   const double t0 = J*J;
-  const double t1 = 2.0*J*s;
   const double energy = s*t0;
   const double jacobian = J;
-  const double d0 = t1*y_eta;
-  const double d1 = -(t1*x_eta);
-  const double d2 = -(t1*y_xi);
-  const double d3 = t1*x_xi;
+  const double slope_J = 2.0*J*s;
   const double p0 = s_x*t0;
   const double p1 = s_y*t0;
-  return (corner_gradient_values){energy, jacobian, d0, d1, d2, d3, p0, p1};
+  return (corner_slopes_values){energy, jacobian, slope_J, p0, p1};
 }
 
 typedef struct { double energy, jacobian, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11; } corner_hessian_values;
@@ -466,21 +462,25 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
       const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
       const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
       const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-      corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
-      corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
-      corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
-      corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
+      corner_slopes_values c0 = corner_slopes(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
+      corner_slopes_values c1 = corner_slopes(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
+      corner_slopes_values c2 = corner_slopes(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
+      corner_slopes_values c3 = corner_slopes(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
       const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
       least = low < least ? low : least;
-      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
       sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
-      const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
-      const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
-      const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
-      const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+      const double da0x = c0.slope_J*b0y + c1.slope_J*b1y;
+      const double da0y = -c0.slope_J*b0x - c1.slope_J*b1x;
+      const double da1x = c2.slope_J*b0y + c3.slope_J*b1y;
+      const double da1y = -c2.slope_J*b0x - c3.slope_J*b1x;
+      const double db0x = -c0.slope_J*a0y - c2.slope_J*a1y;
+      const double db0y = c0.slope_J*a0x + c2.slope_J*a1x;
+      const double db1x = -c1.slope_J*a0y - c3.slope_J*a1y;
+      const double db1y = c1.slope_J*a0x + c3.slope_J*a1x;
       f[0][k + 1] = -da0x - db0x + c0.p0;
       f[1][k + 1] = -da0y - db0y + c0.p1;
       f[2][k + 1] = da0x - db1x + c1.p0;
@@ -499,17 +499,21 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
     const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
     const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
     const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-    const corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
-    const corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
-    const corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
-    const corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
+    const corner_slopes_values c0 = corner_slopes(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
+    const corner_slopes_values c1 = corner_slopes(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
+    const corner_slopes_values c2 = corner_slopes(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
+    const corner_slopes_values c3 = corner_slopes(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
     const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
     least = low < least ? low : least;
     sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
-    const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
-    const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
-    const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
-    const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+    const double da0x = c0.slope_J*b0y + c1.slope_J*b1y;
+    const double da0y = -c0.slope_J*b0x - c1.slope_J*b1x;
+    const double da1x = c2.slope_J*b0y + c3.slope_J*b1y;
+    const double da1y = -c2.slope_J*b0x - c3.slope_J*b1x;
+    const double db0x = -c0.slope_J*a0y - c2.slope_J*a1y;
+    const double db0y = c0.slope_J*a0x + c2.slope_J*a1x;
+    const double db1x = -c1.slope_J*a0y - c3.slope_J*a1y;
+    const double db1y = c1.slope_J*a0x + c3.slope_J*a1x;
     f[0][k + 1] = -da0x - db0x + c0.p0;
     f[1][k + 1] = -da0y - db0y + c0.p1;
     f[2][k + 1] = da0x - db1x + c1.p0;

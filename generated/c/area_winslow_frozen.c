@@ -4,7 +4,7 @@
  * Density: J**2*s/2 + k*(g11 + g22)/J
  * Definition: 828b6dc924dc49f8
  * corner_energy                17 operations (5 additions, 11 multiplications, 1 divisions, 0 functions)
- * corner_gradient              35 operations (10 additions, 24 multiplications, 1 divisions, 0 functions)
+ * corner_slopes                22 operations (6 additions, 15 multiplications, 1 divisions, 0 functions)
  * corner_hessian               86 operations (29 additions, 56 multiplications, 1 divisions, 0 functions)
  * corner_semidefinite          69 operations (24 additions, 44 multiplications, 1 divisions, 0 functions)
  * corner_hessian_vector        79 operations (25 additions, 53 multiplications, 1 divisions, 0 functions)
@@ -89,23 +89,21 @@ INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta
   return (corner_energy_values){energy, jacobian};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3; } corner_gradient_values;
+typedef struct { double energy, jacobian, slope_g11, slope_g22, slope_J; } corner_slopes_values;
 
-INLINE corner_gradient_values corner_gradient(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
   const double g11 = x_xi*x_xi + y_xi*y_xi;
   const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double t1 = parameters[0]*(g11 + g22);
+  const double t0 = g11 + g22;
   const double J = x_xi*y_eta - x_eta*y_xi;
-  const double t0 = 1.0/J;
-  const double t2 = 2.0*parameters[0]*t0;
-  const double t3 = J*s - (t0*t0)*t1;
-  const double energy = (1.0/2.0)*(J*J)*s + t0*t1;
+  const double t1 = 1.0/J;
+  const double t2 = parameters[0]*t1;
+  const double energy = (1.0/2.0)*(J*J)*s + t0*t2;
   const double jacobian = J;
-  const double d0 = t2*x_xi + t3*y_eta;
-  const double d1 = t2*y_xi - t3*x_eta;
-  const double d2 = t2*x_eta - t3*y_xi;
-  const double d3 = t2*y_eta + t3*x_xi;
-  return (corner_gradient_values){energy, jacobian, d0, d1, d2, d3};
+  const double slope_g11 = t2;
+  const double slope_g22 = t2;
+  const double slope_J = J*s - parameters[0]*t0*(t1*t1);
+  return (corner_slopes_values){energy, jacobian, slope_g11, slope_g22, slope_J};
 }
 
 typedef struct { double energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_hessian_values;
@@ -535,21 +533,25 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
       const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
       const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
       const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-      corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, w[0*plane + n], parameters);
-      corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, w[0*plane + n + stride], parameters);
-      corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, w[0*plane + n + 1], parameters);
-      corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], parameters);
+      corner_slopes_values c0 = corner_slopes(a0x, a0y, b0x, b0y, w[0*plane + n], parameters);
+      corner_slopes_values c1 = corner_slopes(a0x, a0y, b1x, b1y, w[0*plane + n + stride], parameters);
+      corner_slopes_values c2 = corner_slopes(a1x, a1y, b0x, b0y, w[0*plane + n + 1], parameters);
+      corner_slopes_values c3 = corner_slopes(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], parameters);
       const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
       least = low < least ? low : least;
-      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
       sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
-      const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
-      const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
-      const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
-      const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+      const double da0x = 2.0*(c0.slope_g11 + c1.slope_g11)*a0x + c0.slope_J*b0y + c1.slope_J*b1y;
+      const double da0y = 2.0*(c0.slope_g11 + c1.slope_g11)*a0y - c0.slope_J*b0x - c1.slope_J*b1x;
+      const double da1x = 2.0*(c2.slope_g11 + c3.slope_g11)*a1x + c2.slope_J*b0y + c3.slope_J*b1y;
+      const double da1y = 2.0*(c2.slope_g11 + c3.slope_g11)*a1y - c2.slope_J*b0x - c3.slope_J*b1x;
+      const double db0x = 2.0*(c0.slope_g22 + c2.slope_g22)*b0x - c0.slope_J*a0y - c2.slope_J*a1y;
+      const double db0y = 2.0*(c0.slope_g22 + c2.slope_g22)*b0y + c0.slope_J*a0x + c2.slope_J*a1x;
+      const double db1x = 2.0*(c1.slope_g22 + c3.slope_g22)*b1x - c1.slope_J*a0y - c3.slope_J*a1y;
+      const double db1y = 2.0*(c1.slope_g22 + c3.slope_g22)*b1y + c1.slope_J*a0x + c3.slope_J*a1x;
       f[0][k + 1] = -da0x - db0x;
       f[1][k + 1] = -da0y - db0y;
       f[2][k + 1] = da0x - db1x;
@@ -568,17 +570,21 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
     const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
     const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
     const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-    const corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, w[0*plane + n], parameters);
-    const corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, w[0*plane + n + stride], parameters);
-    const corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, w[0*plane + n + 1], parameters);
-    const corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], parameters);
+    const corner_slopes_values c0 = corner_slopes(a0x, a0y, b0x, b0y, w[0*plane + n], parameters);
+    const corner_slopes_values c1 = corner_slopes(a0x, a0y, b1x, b1y, w[0*plane + n + stride], parameters);
+    const corner_slopes_values c2 = corner_slopes(a1x, a1y, b0x, b0y, w[0*plane + n + 1], parameters);
+    const corner_slopes_values c3 = corner_slopes(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], parameters);
     const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
     least = low < least ? low : least;
     sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
-    const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
-    const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
-    const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
-    const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+    const double da0x = 2.0*(c0.slope_g11 + c1.slope_g11)*a0x + c0.slope_J*b0y + c1.slope_J*b1y;
+    const double da0y = 2.0*(c0.slope_g11 + c1.slope_g11)*a0y - c0.slope_J*b0x - c1.slope_J*b1x;
+    const double da1x = 2.0*(c2.slope_g11 + c3.slope_g11)*a1x + c2.slope_J*b0y + c3.slope_J*b1y;
+    const double da1y = 2.0*(c2.slope_g11 + c3.slope_g11)*a1y - c2.slope_J*b0x - c3.slope_J*b1x;
+    const double db0x = 2.0*(c0.slope_g22 + c2.slope_g22)*b0x - c0.slope_J*a0y - c2.slope_J*a1y;
+    const double db0y = 2.0*(c0.slope_g22 + c2.slope_g22)*b0y + c0.slope_J*a0x + c2.slope_J*a1x;
+    const double db1x = 2.0*(c1.slope_g22 + c3.slope_g22)*b1x - c1.slope_J*a0y - c3.slope_J*a1y;
+    const double db1y = 2.0*(c1.slope_g22 + c3.slope_g22)*b1y + c1.slope_J*a0x + c3.slope_J*a1x;
     f[0][k + 1] = -da0x - db0x;
     f[1][k + 1] = -da0y - db0y;
     f[2][k + 1] = da0x - db1x;

@@ -4,7 +4,7 @@
  * Density: J**2*k_A*s/2 + g12**2*k_O/2 + k_L*(g11 + g22)/2
  * Definition: cf153590e9d114dc
  * corner_energy                21 operations (7 additions, 14 multiplications, 0 divisions, 0 functions)
- * corner_gradient              50 operations (15 additions, 35 multiplications, 0 divisions, 0 functions)
+ * corner_slopes                28 operations (7 additions, 21 multiplications, 0 divisions, 0 functions)
  * corner_hessian              110 operations (33 additions, 77 multiplications, 0 divisions, 0 functions)
  * corner_semidefinite          61 operations (20 additions, 41 multiplications, 0 divisions, 0 functions)
  * corner_hessian_vector        85 operations (30 additions, 55 multiplications, 0 divisions, 0 functions)
@@ -95,32 +95,26 @@ INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta
   return (corner_energy_values){energy, jacobian};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3, p0, p1; } corner_gradient_values;
+typedef struct { double energy, jacobian, slope_g11, slope_g22, slope_g12, slope_J, p0, p1; } corner_slopes_values;
 
-INLINE corner_gradient_values corner_gradient(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
   (void)s_xx;
   (void)s_xy;
   (void)s_yy;
-  const double t1 = 2.0*parameters[1];
-  const double t2 = 2.0*x_eta;
   const double g11 = x_xi*x_xi + y_xi*y_xi;
   const double g22 = x_eta*x_eta + y_eta*y_eta;
   const double g12 = x_eta*x_xi + y_eta*y_xi;
-  const double t3 = g12*parameters[2];
-  const double t6 = 2.0*t3;
   const double J = x_xi*y_eta - x_eta*y_xi;
   const double t0 = (J*J)*parameters[0];
-  const double t4 = J*parameters[0]*s;
-  const double t5 = 2.0*t4;
   const double energy = (g12*g12)*parameters[2] + parameters[1]*(g11 + g22) + s*t0;
   const double jacobian = J;
-  const double d0 = t1*x_xi + t2*t3 + t5*y_eta;
-  const double d1 = t1*y_xi + t6*y_eta - t2*t4;
-  const double d2 = t1*x_eta + t6*x_xi - t5*y_xi;
-  const double d3 = t1*y_eta + t5*x_xi + t6*y_xi;
+  const double slope_g11 = parameters[1];
+  const double slope_g22 = parameters[1];
+  const double slope_g12 = 2.0*g12*parameters[2];
+  const double slope_J = 2.0*J*parameters[0]*s;
   const double p0 = s_x*t0;
   const double p1 = s_y*t0;
-  return (corner_gradient_values){energy, jacobian, d0, d1, d2, d3, p0, p1};
+  return (corner_slopes_values){energy, jacobian, slope_g11, slope_g22, slope_g12, slope_J, p0, p1};
 }
 
 typedef struct { double energy, jacobian, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11; } corner_hessian_values;
@@ -528,21 +522,25 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
       const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
       const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
       const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-      corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
-      corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
-      corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
-      corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
+      corner_slopes_values c0 = corner_slopes(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
+      corner_slopes_values c1 = corner_slopes(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
+      corner_slopes_values c2 = corner_slopes(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
+      corner_slopes_values c3 = corner_slopes(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
       const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
       least = low < least ? low : least;
-      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
       sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
-      const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
-      const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
-      const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
-      const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+      const double da0x = 2.0*(c0.slope_g11 + c1.slope_g11)*a0x + c0.slope_g12*b0x + c0.slope_J*b0y + c1.slope_g12*b1x + c1.slope_J*b1y;
+      const double da0y = 2.0*(c0.slope_g11 + c1.slope_g11)*a0y + c0.slope_g12*b0y - c0.slope_J*b0x + c1.slope_g12*b1y - c1.slope_J*b1x;
+      const double da1x = 2.0*(c2.slope_g11 + c3.slope_g11)*a1x + c2.slope_g12*b0x + c2.slope_J*b0y + c3.slope_g12*b1x + c3.slope_J*b1y;
+      const double da1y = 2.0*(c2.slope_g11 + c3.slope_g11)*a1y + c2.slope_g12*b0y - c2.slope_J*b0x + c3.slope_g12*b1y - c3.slope_J*b1x;
+      const double db0x = 2.0*(c0.slope_g22 + c2.slope_g22)*b0x + c0.slope_g12*a0x - c0.slope_J*a0y + c2.slope_g12*a1x - c2.slope_J*a1y;
+      const double db0y = 2.0*(c0.slope_g22 + c2.slope_g22)*b0y + c0.slope_g12*a0y + c0.slope_J*a0x + c2.slope_g12*a1y + c2.slope_J*a1x;
+      const double db1x = 2.0*(c1.slope_g22 + c3.slope_g22)*b1x + c1.slope_g12*a0x - c1.slope_J*a0y + c3.slope_g12*a1x - c3.slope_J*a1y;
+      const double db1y = 2.0*(c1.slope_g22 + c3.slope_g22)*b1y + c1.slope_g12*a0y + c1.slope_J*a0x + c3.slope_g12*a1y + c3.slope_J*a1x;
       f[0][k + 1] = -da0x - db0x + c0.p0;
       f[1][k + 1] = -da0y - db0y + c0.p1;
       f[2][k + 1] = da0x - db1x + c1.p0;
@@ -561,17 +559,21 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
     const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
     const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
     const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-    const corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
-    const corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
-    const corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
-    const corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
+    const corner_slopes_values c0 = corner_slopes(a0x, a0y, b0x, b0y, w[0*plane + n], w[1*plane + n], w[2*plane + n], w[3*plane + n], w[4*plane + n], w[5*plane + n], parameters);
+    const corner_slopes_values c1 = corner_slopes(a0x, a0y, b1x, b1y, w[0*plane + n + stride], w[1*plane + n + stride], w[2*plane + n + stride], w[3*plane + n + stride], w[4*plane + n + stride], w[5*plane + n + stride], parameters);
+    const corner_slopes_values c2 = corner_slopes(a1x, a1y, b0x, b0y, w[0*plane + n + 1], w[1*plane + n + 1], w[2*plane + n + 1], w[3*plane + n + 1], w[4*plane + n + 1], w[5*plane + n + 1], parameters);
+    const corner_slopes_values c3 = corner_slopes(a1x, a1y, b1x, b1y, w[0*plane + n + stride + 1], w[1*plane + n + stride + 1], w[2*plane + n + stride + 1], w[3*plane + n + stride + 1], w[4*plane + n + stride + 1], w[5*plane + n + stride + 1], parameters);
     const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
     least = low < least ? low : least;
     sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
-    const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
-    const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
-    const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
-    const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+    const double da0x = 2.0*(c0.slope_g11 + c1.slope_g11)*a0x + c0.slope_g12*b0x + c0.slope_J*b0y + c1.slope_g12*b1x + c1.slope_J*b1y;
+    const double da0y = 2.0*(c0.slope_g11 + c1.slope_g11)*a0y + c0.slope_g12*b0y - c0.slope_J*b0x + c1.slope_g12*b1y - c1.slope_J*b1x;
+    const double da1x = 2.0*(c2.slope_g11 + c3.slope_g11)*a1x + c2.slope_g12*b0x + c2.slope_J*b0y + c3.slope_g12*b1x + c3.slope_J*b1y;
+    const double da1y = 2.0*(c2.slope_g11 + c3.slope_g11)*a1y + c2.slope_g12*b0y - c2.slope_J*b0x + c3.slope_g12*b1y - c3.slope_J*b1x;
+    const double db0x = 2.0*(c0.slope_g22 + c2.slope_g22)*b0x + c0.slope_g12*a0x - c0.slope_J*a0y + c2.slope_g12*a1x - c2.slope_J*a1y;
+    const double db0y = 2.0*(c0.slope_g22 + c2.slope_g22)*b0y + c0.slope_g12*a0y + c0.slope_J*a0x + c2.slope_g12*a1y + c2.slope_J*a1x;
+    const double db1x = 2.0*(c1.slope_g22 + c3.slope_g22)*b1x + c1.slope_g12*a0x - c1.slope_J*a0y + c3.slope_g12*a1x - c3.slope_J*a1y;
+    const double db1y = 2.0*(c1.slope_g22 + c3.slope_g22)*b1y + c1.slope_g12*a0y + c1.slope_J*a0x + c3.slope_g12*a1y + c3.slope_J*a1x;
     f[0][k + 1] = -da0x - db0x + c0.p0;
     f[1][k + 1] = -da0y - db0y + c0.p1;
     f[2][k + 1] = da0x - db1x + c1.p0;

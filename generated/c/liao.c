@@ -4,7 +4,7 @@
  * Density: g11**2 + 2*g12**2 + g22**2
  * Definition: 69c74f5c4e1588cb
  * corner_energy                18 operations (6 additions, 12 multiplications, 0 divisions, 0 functions)
- * corner_gradient              33 operations (10 additions, 23 multiplications, 0 divisions, 0 functions)
+ * corner_slopes                21 operations (6 additions, 15 multiplications, 0 divisions, 0 functions)
  * corner_hessian               64 operations (22 additions, 42 multiplications, 0 divisions, 0 functions)
  * corner_semidefinite          44 operations (15 additions, 29 multiplications, 0 divisions, 0 functions)
  * corner_hessian_vector        60 operations (20 additions, 40 multiplications, 0 divisions, 0 functions)
@@ -92,24 +92,20 @@ INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta
   return (corner_energy_values){energy, jacobian};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3; } corner_gradient_values;
+typedef struct { double energy, jacobian, slope_g11, slope_g22, slope_g12; } corner_slopes_values;
 
-INLINE corner_gradient_values corner_gradient(double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
+INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
   (void)parameters;
   const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double t0 = 4.0*g11;
   const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double t2 = 4.0*g22;
   const double g12 = x_eta*x_xi + y_eta*y_xi;
-  const double t1 = 4.0*g12;
   const double J = x_xi*y_eta - x_eta*y_xi;
   const double energy = g11*g11 + 2.0*(g12*g12) + g22*g22;
   const double jacobian = J;
-  const double d0 = t0*x_xi + t1*x_eta;
-  const double d1 = t0*y_xi + t1*y_eta;
-  const double d2 = t1*x_xi + t2*x_eta;
-  const double d3 = t1*y_xi + t2*y_eta;
-  return (corner_gradient_values){energy, jacobian, d0, d1, d2, d3};
+  const double slope_g11 = 2.0*g11;
+  const double slope_g22 = 2.0*g22;
+  const double slope_g12 = 4.0*g12;
+  return (corner_slopes_values){energy, jacobian, slope_g11, slope_g22, slope_g12};
 }
 
 typedef struct { double energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_hessian_values;
@@ -460,21 +456,25 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
       const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
       const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
       const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-      corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, parameters);
-      corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, parameters);
-      corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, parameters);
-      corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, parameters);
+      corner_slopes_values c0 = corner_slopes(a0x, a0y, b0x, b0y, parameters);
+      corner_slopes_values c1 = corner_slopes(a0x, a0y, b1x, b1y, parameters);
+      corner_slopes_values c2 = corner_slopes(a1x, a1y, b0x, b0y, parameters);
+      corner_slopes_values c3 = corner_slopes(a1x, a1y, b1x, b1y, parameters);
       const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
       least = low < least ? low : least;
-      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_gradient_values){0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 1u)) c0 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 2u)) c1 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 4u)) c2 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
+      if (!(corners_of_cell(block, i, begin + k) & 8u)) c3 = (corner_slopes_values){0.0, 0.0, 0.0, 0.0, 0.0};
       sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
-      const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
-      const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
-      const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
-      const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+      const double da0x = 2.0*(c0.slope_g11 + c1.slope_g11)*a0x + c0.slope_g12*b0x + c1.slope_g12*b1x;
+      const double da0y = 2.0*(c0.slope_g11 + c1.slope_g11)*a0y + c0.slope_g12*b0y + c1.slope_g12*b1y;
+      const double da1x = 2.0*(c2.slope_g11 + c3.slope_g11)*a1x + c2.slope_g12*b0x + c3.slope_g12*b1x;
+      const double da1y = 2.0*(c2.slope_g11 + c3.slope_g11)*a1y + c2.slope_g12*b0y + c3.slope_g12*b1y;
+      const double db0x = 2.0*(c0.slope_g22 + c2.slope_g22)*b0x + c0.slope_g12*a0x + c2.slope_g12*a1x;
+      const double db0y = 2.0*(c0.slope_g22 + c2.slope_g22)*b0y + c0.slope_g12*a0y + c2.slope_g12*a1y;
+      const double db1x = 2.0*(c1.slope_g22 + c3.slope_g22)*b1x + c1.slope_g12*a0x + c3.slope_g12*a1x;
+      const double db1y = 2.0*(c1.slope_g22 + c3.slope_g22)*b1y + c1.slope_g12*a0y + c3.slope_g12*a1y;
       f[0][k + 1] = -da0x - db0x;
       f[1][k + 1] = -da0y - db0y;
       f[2][k + 1] = da0x - db1x;
@@ -493,17 +493,21 @@ APART void cell_gradients(const Block *block, int64_t i, int64_t begin, int64_t 
     const double a1x = x[n + stride + 1] - x[n + 1], a1y = y[n + stride + 1] - y[n + 1];
     const double b0x = x[n + 1] - x[n], b0y = y[n + 1] - y[n];
     const double b1x = x[n + stride + 1] - x[n + stride], b1y = y[n + stride + 1] - y[n + stride];
-    const corner_gradient_values c0 = corner_gradient(a0x, a0y, b0x, b0y, parameters);
-    const corner_gradient_values c1 = corner_gradient(a0x, a0y, b1x, b1y, parameters);
-    const corner_gradient_values c2 = corner_gradient(a1x, a1y, b0x, b0y, parameters);
-    const corner_gradient_values c3 = corner_gradient(a1x, a1y, b1x, b1y, parameters);
+    const corner_slopes_values c0 = corner_slopes(a0x, a0y, b0x, b0y, parameters);
+    const corner_slopes_values c1 = corner_slopes(a0x, a0y, b1x, b1y, parameters);
+    const corner_slopes_values c2 = corner_slopes(a1x, a1y, b0x, b0y, parameters);
+    const corner_slopes_values c3 = corner_slopes(a1x, a1y, b1x, b1y, parameters);
     const double low = lower(lower(c0.jacobian, c1.jacobian), lower(c2.jacobian, c3.jacobian));
     least = low < least ? low : least;
     sum += (c0.energy + c1.energy) + (c2.energy + c3.energy);
-    const double da0x = c0.d0 + c1.d0, da0y = c0.d1 + c1.d1;
-    const double da1x = c2.d0 + c3.d0, da1y = c2.d1 + c3.d1;
-    const double db0x = c0.d2 + c2.d2, db0y = c0.d3 + c2.d3;
-    const double db1x = c1.d2 + c3.d2, db1y = c1.d3 + c3.d3;
+    const double da0x = 2.0*(c0.slope_g11 + c1.slope_g11)*a0x + c0.slope_g12*b0x + c1.slope_g12*b1x;
+    const double da0y = 2.0*(c0.slope_g11 + c1.slope_g11)*a0y + c0.slope_g12*b0y + c1.slope_g12*b1y;
+    const double da1x = 2.0*(c2.slope_g11 + c3.slope_g11)*a1x + c2.slope_g12*b0x + c3.slope_g12*b1x;
+    const double da1y = 2.0*(c2.slope_g11 + c3.slope_g11)*a1y + c2.slope_g12*b0y + c3.slope_g12*b1y;
+    const double db0x = 2.0*(c0.slope_g22 + c2.slope_g22)*b0x + c0.slope_g12*a0x + c2.slope_g12*a1x;
+    const double db0y = 2.0*(c0.slope_g22 + c2.slope_g22)*b0y + c0.slope_g12*a0y + c2.slope_g12*a1y;
+    const double db1x = 2.0*(c1.slope_g22 + c3.slope_g22)*b1x + c1.slope_g12*a0x + c3.slope_g12*a1x;
+    const double db1y = 2.0*(c1.slope_g22 + c3.slope_g22)*b1y + c1.slope_g12*a0y + c3.slope_g12*a1y;
     f[0][k + 1] = -da0x - db0x;
     f[1][k + 1] = -da0y - db0y;
     f[2][k + 1] = da0x - db1x;

@@ -66,8 +66,8 @@ def adapt(
         parameters: of the functional.
         steps: at most so many steps.
         moves: of the nodes in each step, with the density interpolated between. By default 3 for a solver, 1 else.
-        damping: the share of the wanted weight in the next one (a geometric mean with the last), above 0 and at most
-            1; lowered when the grid does not settle.
+        damping: the share of the wanted weight in the first one (a geometric mean with that of the start), above 0
+            and at most 1; Aitken's rule chooses those of the next steps.
         tolerance: the grid has settled when no node moves farther in a step, over the size of the domain.
         boundary: `straight`: nodes slide along straight sides, where that changes no shape; `all`: along the polygon
             of every side, which cuts off what little lies between two nodes; `fixed`: they stay. Corners always stay.
@@ -115,14 +115,11 @@ class _Run:
         live.tell(self._take(self.start, 0.0))
         try:
             for _ in range(steps):
-                before = self.history[-1].movement
                 moved = self.mover.towards(self.grid, self.density, moves)
                 way = movement(self.grid, moved)
                 live.tell(self._take(moved, way))
                 if way <= tolerance:
                     return self._settled(way)
-                if 0 < before < way:
-                    self.mover.calm()
         except KeyboardInterrupt:
             if not self.history:
                 raise

@@ -20,7 +20,7 @@ class AdaptStep:
         spread: standard deviation over mean of the density of nodes times the cells' areas; 0 where it is
             equidistributed.
         min_jacobian: the smallest Jacobian at any corner of any cell.
-        damping: the share of the wanted weight in the one that was used.
+        damping: the share of the wanted weight in the one that was used; above 1 where it was gone beyond.
     """
 
     step: int

@@ -10,6 +10,7 @@ import click
 
 from gridgen_sym import __version__
 
+from .adaptation import adapt
 from .base import Program, functionals_option
 from .formulas import check, derive, docs, functionals, generate, verify
 from .grids import domains, grid, quality
@@ -28,5 +29,5 @@ def main() -> None:
     """  # noqa: D301 - click reads the backspace: keep the lines
 
 
-for _command in (grid, quality, domains, functionals, derive, docs, check, verify, generate, info, paper):
+for _command in (grid, adapt, quality, domains, functionals, derive, docs, check, verify, generate, info, paper):
     main.add_command(_command)

@@ -73,15 +73,15 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     functional(name)
     boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "reorient")}
     solve = _solver(name, quiet, **options)
-    _check_outputs(output, plot)
+    check_outputs(output, plot)
     start = start_grid(input, **boundary)
-    _say(quiet, f"start: {input}, {_count(start)}, {_folds(start)}")
+    say(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
     result: Result = solve(start)
     _report(result, quiet)
     if output:
         result.grid.write(output)
-        _say(quiet, f"wrote {output}")
-    _certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result.message)
+        say(quiet, f"wrote {output}")
+    certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result.message)
     if result.interrupted:
         raise click.exceptions.Exit(130)
     if not result.quality.valid:
@@ -117,7 +117,7 @@ def _weight(formula: str | None, mode: str | None, allow_negative: bool) -> Weig
     return Weight(formula, mode or "frozen", allow_negative)  # type: ignore[arg-type]
 
 
-def _check_outputs(output: str | None, plot: str | None) -> None:
+def check_outputs(output: str | None, plot: str | None) -> None:
     """Refuse files that cannot be written before any work is done."""
     from importlib.util import find_spec
 
@@ -137,15 +137,15 @@ def _check_outputs(output: str | None, plot: str | None) -> None:
 def _report(result: Result, quiet: bool) -> None:
     """Print what came out; where it did not converge, or is folded, that is said on standard error as well."""
     if result.converged:
-        _say(quiet, f"converged in {result.iterations} iterations: {result.message}")
+        say(quiet, f"converged in {result.iterations} iterations: {result.message}")
     else:
         click.secho(f"not converged in {result.iterations} iterations: {result.message}", fg="yellow", err=True)
-    _say(quiet, result.quality.summary())
+    say(quiet, result.quality.summary())
     if quiet and not result.quality.valid:
         click.secho(result.quality.describe_folds(), fg="red", err=True)
 
 
-def _certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, said: str = "") -> None:
+def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, said: str = "") -> None:
     """Say of a folded grid which proofs there are that its boundary admits no valid one, and draw it, or these."""
     from gridgen_sym.grids import certificates, plot_certificates, plot_grid
     from gridgen_sym.grids import quality as measure
@@ -159,20 +159,23 @@ def _certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, sai
             plot_certificates(made, plot, found=found)
         else:
             plot_grid(made, plot, title=title)
-        _say(quiet, f"wrote {plot}")
+        say(quiet, f"wrote {plot}")
 
 
-def _say(quiet: bool, text: str) -> None:
+def say(quiet: bool, text: str) -> None:
+    """Print a line, unless nothing is to be said."""
     if not quiet:
         click.echo(text)
 
 
-def _count(grid: Grid) -> str:
+def count_of(grid: Grid) -> str:
+    """Return the numbers of cells, in words."""
     ni, nj = grid.shape
     return f"{ni - 1} x {nj - 1} cells"
 
 
-def _folds(grid: Grid) -> str:
+def folds_of(grid: Grid) -> str:
+    """Return how many cells are folded, in words."""
     from gridgen_sym.grids import quality
 
     count = quality(grid).folded_cells
@@ -187,11 +190,11 @@ def quality(file: str, plot: str | None) -> None:
     from gridgen_sym.grids import quality as measure
     from gridgen_sym.grids import read
 
-    _check_outputs(None, plot)
+    check_outputs(None, plot)
     given = read(file)
     measured = measure(given)
     click.echo(measured.summary())
-    _certify_and_draw(given, plot, Path(file).stem, quiet=False)
+    certify_and_draw(given, plot, Path(file).stem, quiet=False)
     if not measured.valid:
         raise click.exceptions.Exit(1)
 

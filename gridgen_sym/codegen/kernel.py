@@ -39,7 +39,7 @@ class Program:
     """Straight-line arithmetic from inputs to outputs.
 
     Attributes:
-        name: what it computes, for example `corner_gradient`.
+        name: what it computes, for example `corner_slopes`.
         inputs: names of its arguments, in order.
         parameters: names of the functional's parameters, read from an array in this order.
         outputs: names of its results, in order; each is assigned exactly once.

@@ -77,10 +77,11 @@ def digest(functional: Functional) -> str:
 def _corner_programs(model: CornerModel) -> list[Program]:
     inputs = (*FIRST_DERIVATIVES, *WEIGHT_PLANES[model.variant])
     energy: dict[str, Expr] = {"energy": model.energy, "jacobian": J}
-    gradient = energy | {f"d{k}": entry for k, entry in enumerate(model.gradient)}
-    if model.variant == "differentiated":
-        gradient |= {f"p{k}": entry for k, entry in enumerate(model.position_gradient)}
     moving = model.variant == "differentiated"
+    position = {f"p{k}": entry for k, entry in enumerate(model.position_gradient)} if moving else {}
+    # The chain rule from the metric to the nodes belongs to the templates, which share it among the corners of a cell.
+    slopes = energy | {f"slope_{symbol}": slope for symbol, slope in model.slopes.items()} | position
+    gradient = energy | {f"d{k}": entry for k, entry in enumerate(model.gradient)} | position
     direction = (*FIRST_DERIVATIVES, *DIRECTION, *(POSITION_DIRECTION if moving else ()), *WEIGHT_PLANES[model.variant])
     along = {f"d{k}": entry for k, entry in enumerate(model.hessian_vector)}
     if moving:
@@ -91,7 +92,7 @@ def _corner_programs(model: CornerModel) -> list[Program]:
         products.append(lower("corner_semidefinite_vector", direction, model.parameters, semidefinite))
     return [
         lower("corner_energy", inputs, model.parameters, energy),
-        lower("corner_gradient", inputs, model.parameters, gradient),
+        lower("corner_slopes", inputs, model.parameters, slopes),
         lower("corner_hessian", inputs, model.parameters, gradient | _hessian_entries(model, model.hessian)),
         lower(
             "corner_semidefinite",

@@ -25,8 +25,8 @@ def consequences(found: Classification) -> Iterator[str]:
         yield "The two families of grid lines are not alike: turn the grid, and it asks for something else."
     if not found.polyconvex.holds:
         yield (
-            "It is not polyconvex: where its Hessian is not positive, eigenvalues are clamped corner by corner, which "
-            "costs time, and there may be more than one minimum."
+            "It is not polyconvex: where its Hessian is not positive, Newton's method shifts it just enough, and there "
+            "may be more than one minimum."
         )
     if found.lower_bound.value is None:
         yield "No lower bound of its density is known: watch the energy, and do not expect a minimum on every domain."

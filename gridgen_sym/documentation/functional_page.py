@@ -22,7 +22,7 @@ from .pictures import draw, trials
 _LONGEST = 450
 _MEANING: Mapping[str, str] = {
     "corner_energy": "energy of a corner",
-    "corner_gradient": "and its gradient",
+    "corner_slopes": "and its slopes in the metric",
     "corner_hessian": "and its Hessian",
     "corner_hessian_vector": "its Hessian times a vector",
     "corner_semidefinite": "a positive semidefinite Hessian",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..functionals import Functional
-from ..grids import Grid, domain, domain_names, plot_grid, quality
+from ..grids import Grid, domain, domain_names, plot_grids, quality
 from ..solvers import Result, optimize
 from ..symbolic import has_barrier
 
@@ -55,7 +55,7 @@ def draw(functional: Functional, tried: Sequence[Trial], folder: Path) -> tuple[
     """Draw a grid that the functional makes beside one that it folds; return pairs of a file and what it shows."""
     panels = tuple(_panels(functional, tried))
     for k, (title, _, made) in enumerate(panels):
-        plot_grid(made, folder / _file(functional.name, k), title=title)
+        plot_grids([(title, made)], folder / _file(functional.name, k))  # As small as a panel, so that its text is not.
     return tuple((_file(functional.name, k), text) for k, (_, text, _) in enumerate(panels))
 
 

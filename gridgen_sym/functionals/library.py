@@ -89,7 +89,7 @@ def knupp(m: Metric) -> Any:  # noqa: ANN401
     ),
     avoid_when=(
         "where cells should keep to a size, or crowd at a wall: it makes cells small where the boundary "
-        "bulges into the domain and large in its hollows. A weight changes that."
+        "bulges into the domain and large in its hollows. Take area_winslow with a weight there."
     ),
 )
 def winslow(m: Metric) -> Any:  # noqa: ANN401

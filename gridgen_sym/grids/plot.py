@@ -173,5 +173,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
             f"{', '.join('.' + key for key in sorted(known))}"
         )
     stream = io.BytesIO()
-    figure.savefig(stream, format=suffix, dpi=160)
+    # The first pass of the layout does not yet know the panels of equal scales, and cuts their titles off.
+    figure.draw_without_rendering()
+    figure.savefig(stream, format=suffix, dpi=160, bbox_inches="tight", pad_inches=0.06)
     write_bytes(path, stream.getvalue())

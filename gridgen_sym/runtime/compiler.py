@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
+import contextlib
+import ctypes
 import os
 import platform
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -15,6 +17,7 @@ from pathlib import Path
 
 from ..errors import GridgenError
 from ..messages import say, say_once
+from . import cache
 
 #: No -ffast-math: a fold and a NaN must stay visible.
 FLAGS = (
@@ -22,7 +25,8 @@ FLAGS = (
     "-fPIC", "-shared", "-fvisibility=hidden",
 )  # fmt: skip
 _OPENMP_TRIAL = "#include <omp.h>\nint trial(void) { return omp_get_max_threads(); }\n"
-_COMPILE_SECONDS = 300
+_COMPILE_SECONDS, _VERSION_SECONDS = 300, 30
+_WITHOUT = "GRIDGEN_SYM_BACKEND=numpy works without a compiler."
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,107 +63,132 @@ def find_compiler() -> Compiler | None:
 
 
 def _version(path: str) -> str:
-    try:
-        told = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=30, check=False)
-    except (OSError, subprocess.TimeoutExpired):
-        return ""
-    return told.stdout.splitlines()[0] if told.returncode == 0 and told.stdout else ""
+    told = _run([path, "--version"], _VERSION_SECONDS)
+    return told.stdout.splitlines()[0] if told and told.returncode == 0 and told.stdout else ""
 
 
 def _supports_openmp(path: str, version: str) -> bool:
     """Try OpenMP once per compiler; the answer is kept in the cache."""
-    answer = cache_folder() / f"openmp-{_hash(path, version)}"
-    if answer.exists():
-        return answer.read_text() == "yes"
-    with tempfile.TemporaryDirectory() as folder:
+    stem = f"openmp-{cache.digest(path, version)}"
+    answer = cache.find(stem, "")
+    if answer is None:
+        told = _openmp_trial(path)
+        if told is None or told.returncode < 0:
+            return False  # It was killed, or did not end: no answer.
+        answer = cache.keep(stem, "", b"no" if told.returncode else b"yes")
+    return answer.read_bytes() == b"yes"
+
+
+def _openmp_trial(path: str) -> subprocess.CompletedProcess[str] | None:
+    with contextlib.suppress(OSError), tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "trial.c"
         source.write_text(_OPENMP_TRIAL)
         command = [path, "-fopenmp", "-fPIC", "-shared", "-o", str(Path(folder) / "trial.so"), str(source)]
-        try:
-            told = subprocess.run(command, capture_output=True, timeout=_COMPILE_SECONDS, check=False)
-        except subprocess.TimeoutExpired:
-            return False
-        works = told.returncode == 0
-    _store(answer, b"yes" if works else b"no")
-    return works
+        return _run(command, _COMPILE_SECONDS)
+    return None
+
+
+def open_library(name: str, source: str) -> ctypes.CDLL:
+    """Load the shared library of a C source, which is compiled now or found in the cache.
+
+    Raises:
+        GridgenError: as for `compile_library`; or if the system does not let the library be loaded.
+    """
+    library = compile_library(name, source)
+    try:
+        return ctypes.CDLL(str(library))
+    except OSError as error:
+        raise GridgenError(
+            f"the compiled kernels of {name} cannot be loaded ({error}): set GRIDGEN_SYM_CACHE to a folder from which "
+            "programs may run, or use the NumPy backend with GRIDGEN_SYM_BACKEND=numpy"
+        ) from error
 
 
 def compile_library(name: str, source: str) -> Path:
     """Return the shared library of a C source, compiled now or found in the cache.
 
-    Safe for many processes at once: each builds under a name of its own and renames.
-
     Raises:
-        GridgenError: if there is no compiler, or if it rejects the source, with its messages.
+        GridgenError: if there is no compiler, or if it rejects the source, with its messages, or is killed.
     """
     compiler = find_compiler()
     if compiler is None:
         raise GridgenError("no C compiler was found: install one (cc, gcc or clang), set CC, or use the NumPy backend")
     placeholder = compiler.command(Path("source.c"), Path("library"))
-    key = _hash(source, *placeholder, compiler.version, _processor())
-    library = cache_folder() / f"{name}-{key}.so"
-    if not library.exists():
+    stem = f"{name}-{cache.digest(source, *placeholder, compiler.version, _processor())}"
+    library = cache.find(stem, ".so")
+    if library is None:
         say(f"compiling the kernels of {name} (once per machine) ...")
-        _build(compiler, name, source, library)
+        library = cache.keep(stem, ".so", _build(compiler, name, source))
     return library
 
 
-def _build(compiler: Compiler, name: str, source: str, library: Path) -> None:
-    with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as folder:
-        code, built = Path(folder) / f"{name}.c", Path(folder) / f"{name}.so"
-        code.write_text(source, encoding="utf-8")
-        try:
-            told = subprocess.run(
-                compiler.command(code, built),
-                capture_output=True,
-                text=True,
-                timeout=_COMPILE_SECONDS,
-                check=False,
-            )
-        except subprocess.TimeoutExpired as error:
-            raise GridgenError(
-                f"{compiler.path} did not finish the kernels of {name} in {_COMPILE_SECONDS} s"
-            ) from error
-        if told.returncode != 0:
-            raise GridgenError(
-                f"{compiler.path} ({compiler.version}) rejected the generated kernels of {name}; this is a bug of "
-                f"gridgen_sym unless the compiler is broken. Its messages:\n{told.stderr.strip()[:4000]}\n"
-                "GRIDGEN_SYM_BACKEND=numpy works without a compiler."
-            )
-        os.replace(built, library)
-
-
-@lru_cache(maxsize=1)
-def cache_folder() -> Path:
-    """Return the folder of compiled kernels: GRIDGEN_SYM_CACHE, else the user's cache folder.
-
-    Where that cannot be written, a temporary folder that lives as long as the process, and says so.
-    """
-    import platformdirs
-
-    chosen = os.environ.get("GRIDGEN_SYM_CACHE")
-    folder = Path(chosen) if chosen else platformdirs.user_cache_path("gridgen_sym")
+def _build(compiler: Compiler, name: str, source: str) -> bytes:
+    """Return the content of a shared library."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
+        with tempfile.TemporaryDirectory(prefix="gridgen_sym-build-") as folder:
+            code, built = Path(folder) / f"{name}.c", Path(folder) / f"{name}.so"
+            code.write_text(source, encoding="utf-8")
+            told = _run(compiler.command(code, built), _COMPILE_SECONDS)
+            _check(compiler, name, told)
+            return built.read_bytes()
     except OSError as error:
-        say_once(
-            f"the cache folder {folder} cannot be written ({error.strerror}): kernels are compiled again in every "
-            "process; set GRIDGEN_SYM_CACHE to a folder that can"
+        raise GridgenError(
+            f"the kernels of {name} cannot be compiled in {tempfile.gettempdir()}: {error.strerror or error}; free "
+            f"some space, or set TMPDIR to another folder. {_WITHOUT}"
+        ) from error
+
+
+def _check(compiler: Compiler, name: str, told: subprocess.CompletedProcess[str] | None) -> None:
+    """Raise a `GridgenError` unless the compiler ended well."""
+    if told is None:
+        raise GridgenError(f"{compiler.path} did not finish the kernels of {name} in {_COMPILE_SECONDS} s. {_WITHOUT}")
+    # The driver tells with exit code 1 of a part of it that was killed.
+    if told.returncode < 0 or "terminated program" in told.stderr:
+        raise GridgenError(
+            f"{compiler.path} was killed while it compiled the kernels of {name}, perhaps for want of memory: run this "
+            f"again. {_WITHOUT}"
         )
-        return Path(_process_folder().name)
+    if told.returncode:
+        raise GridgenError(
+            f"{compiler.path} ({compiler.version}) rejected the generated kernels of {name}; this is a bug of "
+            f"gridgen_sym unless the compiler is broken or the disk full. Its messages:\n{told.stderr.strip()[:4000]}\n"
+            f"{_WITHOUT}"
+        )
 
 
-@lru_cache(maxsize=1)
-def _process_folder() -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix="gridgen_sym-")
+def _run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] | None:
+    """Run a program to its end; None if it cannot be started, or does not end in time.
+
+    Whatever ends the wait, Ctrl-C too, ends the program with all that it has started: a compiler is a driver, whose
+    parts would hold its pipes open.
+    """
+    try:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        )
+    except OSError:
+        return None
+    with process:
+        try:
+            out, err = process.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            _kill(process)
+            return None
+        except BaseException:
+            _kill(process)
+            raise
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 
-def _store(path: Path, content: bytes) -> None:
-    from ..atomic import write_bytes
-
-    write_bytes(path, content)
+def _kill(process: subprocess.Popen[str]) -> None:
+    with contextlib.suppress(OSError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def _processor() -> str:
@@ -173,7 +202,3 @@ def _processor() -> str:
         }
         return "\n".join(sorted(kept))
     return f"{platform.machine()} {platform.processor()}"
-
-
-def _hash(*parts: str) -> str:
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:24]

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .compiler import compile_library
+from .compiler import open_library
 
 #: Functions of every kernel file, without the prefix, with the kinds of their arguments: (a)rray, (i)nteger, (d)ouble.
 SIGNATURES = {
@@ -56,7 +56,7 @@ class CompiledBackend:
 
     def load(self, kernel: str, c_source: Callable[[], str], module: dict[str, Any]) -> dict[str, Callable[..., None]]:
         """Compile (or find in the cache) and load."""
-        library = ctypes.CDLL(str(compile_library(kernel, c_source())))
+        library = open_library(kernel, c_source())
         available = {name for name in SIGNATURES if f"{kernel}_{name}" in module}
         return {name: _wrapped(getattr(library, f"{kernel}_{name}"), SIGNATURES[name]) for name in available}
 

@@ -7,12 +7,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..atomic import write_bytes
 from ..functionals import is_builtin
 from ..functionals.definition import Functional
 from ..messages import say
 from ..resources import resource_folder
-from .compiler import cache_folder
+from . import cache
 
 if TYPE_CHECKING:
     from ..symbolic.coordinates import Variant
@@ -28,23 +27,21 @@ def find_sources(functional: Functional, variant: Variant) -> tuple[Path, Path]:
     paths = committed / "c" / f"{name}.c", committed / "numpy" / f"{name}.py"
     if is_builtin(functional.name) and all(path.exists() for path in paths):
         return paths
-    folder = cache_folder() / "sources"
-    stem = f"{name}-{_key(functional, variant)}"
-    paths = folder / f"{stem}.c", folder / f"{stem}.py"
-    if not all(path.exists() for path in paths):
-        _derive(functional, variant, paths)
-    return paths
+    stem = f"sources/{name}-{_key(functional, variant)}"
+    c_source, numpy_source = cache.find(stem, ".c"), cache.find(stem, ".py")
+    return (c_source, numpy_source) if c_source and numpy_source else _derive(functional, variant, stem)
 
 
-def _derive(functional: Functional, variant: Variant, paths: tuple[Path, Path]) -> None:
+def _derive(functional: Functional, variant: Variant, stem: str) -> tuple[Path, Path]:
     from ..codegen.programs import kernel
     from ..codegen.render import render
 
     say(f"deriving the kernels of {functional.name} ({variant}) ...")
     derived = kernel(functional, variant)
-    paths[0].parent.mkdir(parents=True, exist_ok=True)
-    for path, language in zip(paths, ("c", "numpy"), strict=True):
-        write_bytes(path, render(derived, language).text.encode())
+    return (
+        cache.keep(stem, ".c", render(derived, "c").text.encode()),
+        cache.keep(stem, ".py", render(derived, "numpy").text.encode()),
+    )
 
 
 def _key(functional: Functional, variant: Variant) -> str:

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..functionals.definition import Functional
-from ..grids import Grid, quality
+from ..grids import Grid, corner_jacobians, quality
 from ..runtime import Array
+from .lift import lift
 from .nested import Nested, worth_nesting
 from .problem import Problem, norm_of, proofs_text, result_of
 from .progress import Progress
@@ -50,7 +51,7 @@ class Run:
 
         Where they are interrupted, the finest one that is done gives the start.
         """
-        if not worth_nesting(self.problem, self.coordinates):
+        if self._encloses_nothing or not worth_nesting(self.problem, self.coordinates):
             return
         nested = Nested(self.make, self.functional, self.parameters, self.report)
         try:
@@ -83,19 +84,29 @@ class Run:
         """Untangle, where the functional has a barrier and the grid is folded; return whether that was possible."""
         if not self.to_untangle:
             return True
+        if self._encloses_nothing:
+            return False
         self.said = UNTANGLED
         self.report.begin("untangle", self.problem.fixed.shape)
         valid = unfold(self.problem, self.functional, self.coordinates, self.parameters, self.report)
+        valid = valid or lift(self.coordinates, self.problem.fixed, self.report)
         self.problem.refresh(self.coordinates)
         return valid
+
+    @property
+    def _encloses_nothing(self) -> bool:
+        """Whether the boundary's area is not positive, as where it runs clockwise: no grid is better than another."""
+        return self.to_untangle and not float(corner_jacobians(*self.coordinates).sum()) > 0
 
     def could_not_unfold(self) -> str:
         """Return what to tell the user about a grid that stayed folded."""
         self.said = ""
         grid = Grid.from_planes(*self.coordinates)
+        told = "this is the start."
+        if not self._encloses_nothing:
+            told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
         return (
-            f"untangling with {self.functional.name} made no more progress; this is the least folded grid that it "
-            f"found. {quality(grid).describe_folds()} {proofs_text(grid) or 'No proof was found that there is none.'}"
+            f"{told} {quality(grid).describe_folds()} {proofs_text(grid) or 'No proof was found that there is none.'}"
         )
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:

@@ -16,6 +16,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from ..functionals.definition import Functional
 from ..grids import corner_jacobians
@@ -56,16 +57,16 @@ class Folds:
         """Count the folds of (2, ni, nj) coordinates; with `fixed`, only those that moving free nodes may mend."""
         jacobians = corner_jacobians(coordinates[0], coordinates[1])
         if fixed is not None:
-            jacobians = np.where(_held_corners(fixed), np.inf, jacobians)
+            jacobians = np.where(cls.held_corners(fixed), np.inf, jacobians)
         folded = ~(jacobians > 0)
         return cls(int(folded.any(axis=0).sum()), -float(jacobians.min()))
 
-
-def _held_corners(fixed: Mask) -> Mask:
-    """Return, as `corner_jacobians` orders them, the corners whose three nodes are all fixed: their J is given."""
-    held = fixed != 0
-    nodes = held[:-1, :-1], held[1:, :-1], held[1:, 1:], held[:-1, 1:]
-    return np.stack([nodes[k - 1] & nodes[k] & nodes[(k + 1) % 4] for k in range(4)]).astype(np.uint8)
+    @staticmethod
+    def held_corners(fixed: Mask) -> npt.NDArray[np.bool_]:
+        """Return, as `corner_jacobians` orders them, the corners whose three nodes are all fixed: their J is given."""
+        held = fixed != 0
+        nodes = held[:-1, :-1], held[1:, :-1], held[1:, 1:], held[:-1, 1:]
+        return np.stack([nodes[k - 1] & nodes[k] & nodes[(k + 1) % 4] for k in range(4)])
 
 
 @dataclass(slots=True)

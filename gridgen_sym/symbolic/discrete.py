@@ -7,6 +7,7 @@ vectors to node coordinates belongs to the templates.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -50,6 +51,8 @@ class CornerModel:
         variant: how the weight enters, or `regularized`.
         parameters: the symbols of the functional's parameters (and `epsilon` of the regularised barrier).
         energy: the corner energy.
+        slopes: its derivatives in the metric symbols and, where the density names them, in the components of the edge
+            vectors, by symbol, without those that are zero.
         gradient: its 4 derivatives in (x_xi, y_xi, x_eta, y_eta).
         hessian: the full 4x4 second derivative.
         semidefinite_hessian: the 4x4 second derivative of P(A, J) without the term dP/dJ d²J.
@@ -69,6 +72,7 @@ class CornerModel:
     variant: Variant
     parameters: tuple[Symbol, ...]
     energy: Expr
+    slopes: Mapping[Symbol, Expr]
     gradient: tuple[Expr, ...]
     hessian: sympy.Matrix
     semidefinite_hessian: sympy.Matrix
@@ -129,6 +133,7 @@ def corner_model(functional: Functional, variant: Variant = "plain") -> CornerMo
         variant=variant,
         parameters=_parameters(functional, variant),
         energy=density,
+        slopes=slopes(density),
         gradient=gradient(density),
         hessian=hessian(density),
         semidefinite_hessian=hessian(density, drop_jacobian_curvature=True),
@@ -147,12 +152,23 @@ def _parameters(functional: Functional, variant: Variant) -> tuple[Symbol, ...]:
     return (*(symbol(name) for name in functional.parameters), *extra)
 
 
+def slopes(density: Expr) -> dict[Symbol, Expr]:
+    """Return the derivatives in the metric symbols and in the edge vectors' components, each with the others held.
+
+    That in J takes what chi adds; those that are zero are left out.
+    """
+    result = {symbol: sympy.diff(density, symbol) for symbol in (*METRIC, *FIRST_DERIVATIVES)}
+    result[J] += sympy.diff(density, chi) * chi / root
+    return {symbol: slope for symbol, slope in result.items() if slope != 0}
+
+
 def gradient(density: Expr) -> tuple[Expr, ...]:
     """Return the 4 derivatives in the edge vectors, by the chain rule through the metric symbols."""
-    result = [sympy.diff(density, p) for p in FIRST_DERIVATIVES]
-    for m in _metric_symbols(density):
-        for k, slope in enumerate(metric_gradient(m)):
-            result[k] += sympy.diff(density, m) * slope
+    along = slopes(density)
+    result = [along.get(p, sympy.S.Zero) for p in FIRST_DERIVATIVES]
+    for m in METRIC:
+        for k, slope in enumerate(metric_gradient(m) if m in along else ()):
+            result[k] += along[m] * slope
     return tuple(result)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import re
 from pathlib import Path
 
 import pytest
 
 import gridgen_sym
+from gridgen_sym import selfcheck
 from gridgen_sym.codegen.printers import CPrinter
 from gridgen_sym.codegen.programs import kernel
 from gridgen_sym.codegen.render import render, render_document
@@ -24,6 +26,12 @@ from gridgen_sym.symbolic.errata import ERRATA
 from gridgen_sym.symbolic.verify import verify
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+@functools.cache
+def verified():
+    """Return the verdicts on the paper, decided once for the tests of this file."""
+    return verify()
 
 
 def formulas(name):
@@ -70,7 +78,7 @@ def test_advice_follows_from_properties_alone():
 
 
 def test_the_papers_pages_show_every_equation_and_erratum():
-    verdicts = verify()
+    verdicts = verified()
     parts = chapters(verdicts)
     assert [one.verdict for part in parts for one in part.equations] == list(verdicts)
     assert {one.verdict.erratum for part in parts for one in part.equations} == {None, *(e.key for e in ERRATA)}
@@ -88,13 +96,13 @@ def test_the_pipeline_page_quotes_what_the_program_holds():
     blocks = [block.split("\n", 1) for block in text.split("```")[1::2]]
     library = (ROOT / "gridgen_sym" / "functionals" / "library.py").read_text(encoding="utf-8")
     derived = kernel(functional("winslow"))
-    printed = CPrinter().program(derived.programs["corner_gradient"])
-    program = [f"{one.name} = {one.value}" for one in derived.programs["corner_gradient"].assignments]
+    printed = CPrinter().program(derived.programs["corner_slopes"])
+    program = [f"{one.name} = {one.value}" for one in derived.programs["corner_slopes"].assignments]
     source = render(derived, "c").text
     real = "\n".join([derive_text(functional("winslow")), *program, source, library])
     quoted = [line for language, body in blocks if language in ("python", "c") for line in body.splitlines()]
     quoted += [
-        line for _, body in blocks for line in body.splitlines() if re.match(r"d?E|d/dx|det M|w_|t\d|d\d =", line)
+        line for _, body in blocks for line in body.splitlines() if re.match(r"d?E|d/dx|det M|w_|t\d|slope_\w+ =", line)
     ]
     known = {line.strip() for line in real.splitlines()}
     assert len(printed) == len(program)
@@ -102,6 +110,41 @@ def test_the_pipeline_page_quotes_what_the_program_holds():
     starts = [line.strip() for line in quoted if not line.startswith("@")]
     assert [start for start in starts if not any(line.startswith(start) for line in known)] == []
     assert len(quoted) > 25
+
+
+def test_the_pages_quote_the_checks_as_they_come():
+    told = [check.text for check in selfcheck.checks(functional("winslow"))]
+    number = re.compile(r"\d\.\d+(?:e-?\d+)?")
+    for page in ("pipeline.md", "explanations/two_sides.md"):
+        text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+        quoted = re.findall(r"^ok      (.*)$", text, re.MULTILINE)
+        assert len(quoted) in (1, len(told))
+        for line, real in zip(quoted, told[-len(quoted) :], strict=True):
+            # Round-off differs from one machine to the next, and no more than that.
+            assert number.sub("#", line) == number.sub("#", real)
+            for one, two in zip(number.findall(line), number.findall(real), strict=True):
+                assert 0.03 < float(one) / float(two) < 30
+
+
+def test_what_the_home_page_and_the_readme_claim():
+    table = (ROOT / "docs" / "validity.md").read_text(encoding="utf-8").split("## Summary")[1].split("## ")[0]
+    rows = [
+        [int(cell) for cell in row.split("|")[2:-1]] for row in re.findall(r"^\| [A-Z].*\d \|$", table, re.MULTILINE)
+    ]
+    cases, impossible, valid = (sum(row[column] for row in rows) for column in (0, 1, 5))
+    assert len(rows) == 4
+    assert cases == impossible + valid
+    home, readme = ((ROOT / file).read_text(encoding="utf-8") for file in ("docs/index.md", "README.md"))
+    for text in (home, readme):
+        flat = " ".join(text.split())
+        assert f"{cases} hard boundaries {valid} grids are valid; for the other {impossible} a certificate" in flat
+    verdicts = verified()
+    agree, errata = (sum(verdict.is_plain for verdict in verdicts), sum(bool(one.erratum) for one in verdicts))
+    condition = len(verdicts) - agree - errata
+    assert f"{agree} agree, {condition} hold where J > 0 only, {errata} are errata" in " ".join(home.split())
+    assert f"{agree} agree, {condition} hold where J > 0 only, {errata} are known errata" in readme
+    for name in functionals():
+        assert f"| `{name}` |" in readme
 
 
 def test_the_reference_has_every_public_name_and_command():

@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "tutorials"
-TUTORIALS = sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md")
+TUTORIALS = [*sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md"), ROOT / "docs" / "index.md"]
 BLOCK = re.compile(
     r"(?P<place><!-- in: repository -->\n)?"
     r"^```(?P<kind>\{code-block\} \w+\n:caption: (?P<file>\S+)|\w+)\n(?P<text>.*?)^```$",
@@ -58,10 +58,10 @@ def clone(folder):
     for part in ("gridgen_sym", "templates", "generated"):
         ignored = shutil.ignore_patterns("__pycache__", "mathjax")
         shutil.copytree(ROOT / part, repository / part, ignore=ignored)
-    # Two of the built-in functionals are enough here: to generate all of them takes half a minute.
+    # One of the built-in functionals is enough here: to generate all of them takes half a minute.
     library = repository / "gridgen_sym" / "functionals" / "library.py"
     head, *definitions = library.read_text(encoding="utf-8").split("\n\n\n@builtin(")
-    library.write_text("\n\n\n@builtin(".join([head, *definitions[:2]]).rstrip() + "\n", encoding="utf-8")
+    library.write_text("\n\n\n@builtin(".join([head, definitions[0]]).rstrip() + "\n", encoding="utf-8")
     for command in (["git", "init", "--quiet"], ["git", "add", "."]):
         subprocess.run(command, cwd=repository, check=True)
     return repository
@@ -87,7 +87,8 @@ def test_a_tutorial_can_be_followed(tutorial, tmp_path):
     work = tmp_path / "work"
     work.mkdir()
     variables, session, printed, repository = environment(tmp_path), [], "", None
-    for block in blocks(tutorial):
+    found = blocks(tutorial)
+    for block, following in zip(found, [*(one.kind for one in found[1:]), ""], strict=True):
         if block.in_repository:
             repository = repository or clone(tmp_path)
         folder = repository if block.in_repository else work
@@ -97,9 +98,11 @@ def test_a_tutorial_can_be_followed(tutorial, tmp_path):
         elif block.kind == "bash":
             printed += run(["bash", "-euo", "pipefail", "-c", block.text], folder, here)
         elif block.kind == "python":
-            # What came before runs again, so that a block sees the files of the shell blocks between.
             session.append(block.text)
-            printed = run([sys.executable, "-c", SESSION.format(blocks=session)], folder, here)
+            # What came before runs again, so that a block sees the files of the shell blocks between; blocks that
+            # follow each other run together.
+            if following != "python":
+                printed = run([sys.executable, "-c", SESSION.format(blocks=session)], folder, here) or "nothing"
         elif block.kind == "text":
             missing = [line for line in block.text.splitlines() if line not in printed]
             assert not missing, f"{tutorial.name} says {missing}; printed was:\n{printed}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import os
 import shutil
 import signal
@@ -12,6 +13,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from gridgen_sym import messages
@@ -60,8 +62,22 @@ def script(path: Path, *lines: str) -> str:
     return str(path)
 
 
+@pytest.fixture
+def quick_compiler(monkeypatch, tmp_path, cache):
+    """The real compiler, without the optimisation that takes most of its time."""
+    options = 'for argument in "$@"; do shift; [ "$argument" = -O3 ] || set -- "$@" "$argument"; done'
+    monkeypatch.setenv("CC", script(tmp_path / "quick", options, f'exec "{COMPILER}" "$@"'))
+
+
 def libraries(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.glob("*.so"))
+
+
+def wait_for(condition):
+    give_up = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < give_up
+        time.sleep(0.02)
 
 
 def answer_of(library: Path) -> int:
@@ -130,11 +146,56 @@ def test_a_compiler_that_rejects_a_kernel_is_an_error_with_its_messages(monkeypa
     assert not list(cache.glob(".build-*"))
 
 
-def test_a_compiler_that_never_ends_is_an_error(monkeypatch, tmp_path, cache):
-    monkeypatch.setenv("CC", script(tmp_path / "endless", "exec sleep 30"))
+def test_a_compiler_that_never_ends_is_an_error_and_is_ended_with_its_parts(monkeypatch, tmp_path, cache):
+    """A compiler is a driver: a part of it that goes on would hold its pipes open, and the wait with them."""
+    monkeypatch.setenv("CC", script(tmp_path / "endless", f'sleep 600 & echo $! > "{tmp_path}/part"', "wait"))
     monkeypatch.setattr(compiler, "_COMPILE_SECONDS", 1)
     with pytest.raises(GridgenError, match="did not finish the kernels of tiny in 1 s"):
         compile_library("tiny", ANSWER)
+    assert_ended(int((tmp_path / "part").read_text()))
+
+
+def test_an_interrupt_ends_the_compiler(monkeypatch, tmp_path, cache):
+    part = tmp_path / "part"
+    monkeypatch.setenv(
+        "CC", script(tmp_path / "endless", f'echo $$ > "{part}.new"; mv "{part}.new" "{part}"', "sleep 600")
+    )
+    building = subprocess.Popen(
+        [sys.executable, "-c", _BUILD], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+    wait_for(part.exists)
+    building.send_signal(signal.SIGINT)
+    assert "KeyboardInterrupt" in building.communicate(timeout=30)[1]
+    assert_ended(int(part.read_text()))
+
+
+def assert_ended(process):
+    """Check that a process has gone, or waits only for whoever adopted it to take note."""
+    status = Path(f"/proc/{process}/stat")
+
+    def ended():
+        try:
+            os.kill(process, 0)
+            return status.exists() and status.read_text().rpartition(")")[2].split()[0] == "Z"
+        except OSError:
+            return True
+
+    wait_for(ended)
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    "death", ["kill -9 $$", "echo 'cc: fatal error: Killed signal terminated program cc1' >&2; exit 1"]
+)
+def test_a_killed_compiler_is_told_apart_from_a_bug(monkeypatch, tmp_path, cache, death):
+    """The system kills what takes too much memory; nothing is wrong with the kernels."""
+    alive = tmp_path / "alive"
+    monkeypatch.setenv("CC", script(tmp_path / "dying", f'[ -e "{alive}" ] && exec "{COMPILER}" "$@"', death))
+    with pytest.raises(GridgenError, match=r"was killed while it compiled the kernels of tiny.*run this again"):
+        compile_library("tiny", ANSWER)
+    assert libraries(cache) == []
+    alive.touch()
+    assert answer_of(compile_library("tiny", ANSWER)) == 42
 
 
 # ---- the cache ----
@@ -204,21 +265,21 @@ def test_a_killed_build_blocks_nothing(monkeypatch, tmp_path, cache):
     waiting.touch()
     monkeypatch.setenv(
         "CC",
-        script(tmp_path / "slow", f'[ -e "{waiting}" ] && touch "{started}" && sleep 60', f'exec "{COMPILER}" "$@"'),
+        script(
+            tmp_path / "slow",
+            f'touch "{started}"',
+            f'while [ -e "{waiting}" ]; do sleep 0.05; done',
+            f'exec "{COMPILER}" "$@"',
+        ),
     )
-    building = subprocess.Popen(
-        [sys.executable, "-c", _BUILD], start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    give_up = time.monotonic() + 60
-    while not started.exists():
-        assert time.monotonic() < give_up
-        assert building.poll() is None
-        time.sleep(0.02)
-    os.killpg(building.pid, signal.SIGKILL)
+    building = subprocess.Popen([sys.executable, "-c", _BUILD], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    wait_for(started.exists)
+    building.send_signal(signal.SIGKILL)  # Of Python only: its compiler goes on.
     building.wait(timeout=30)
     assert libraries(cache) == []
     waiting.unlink()
     assert answer_of(compile_library("tiny", ANSWER)) == 42
+    assert len(libraries(cache)) == 1
 
 
 @needs_compiler
@@ -232,7 +293,109 @@ def test_a_cache_folder_that_cannot_be_written_is_replaced_and_said(monkeypatch,
     assert "set GRIDGEN_SYM_CACHE" in told
 
 
+@needs_compiler
+@pytest.mark.parametrize(
+    "damage", [lambda data: b"", lambda data: data[: len(data) // 2], lambda data: data[:-1] + b"?"]
+)
+def test_a_damaged_library_is_not_loaded_but_made_again(cache, damage):
+    """Half a library maps well enough to be loaded, and then ends the process."""
+    library = compile_library("tiny", ANSWER)
+    whole = library.read_bytes()
+    library.unlink()  # Not written over: this process may have it loaded.
+    library.write_bytes(damage(whole))
+    assert answer_of(compile_library("tiny", ANSWER)) == 42
+
+
+@needs_compiler
+def test_a_damaged_answer_about_openmp_is_asked_again(cache):
+    found = find_compiler()
+    (answer,) = cache.glob("openmp-*")
+    answer.write_bytes(b"")
+    find_compiler.cache_clear()
+    assert find_compiler() == found
+
+
+def full_disk(monkeypatch, folder: Path):
+    """Let every write below a folder fail as on a full disk."""
+    rename = Path.replace
+
+    def replace(self, target):
+        if Path(target).is_relative_to(folder):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "replace", replace)
+
+
+@needs_compiler
+@pytest.mark.usefixtures("clean_registry", "quick_compiler")
+def test_a_full_disk_costs_the_cache_only(monkeypatch, cache, capsys):
+    full_disk(monkeypatch, cache)
+    assert answer_of(compile_library("tiny", ANSWER)) == 42
+    mine = kernels(define("mine", "g11 + 3*g22"), backend="c")
+    assert mine.energy(np.mgrid[:3, :3].astype(float), None)[0] == 16 * 4
+    told = capsys.readouterr().err
+    assert "No space left on device" in told
+    assert "lost with this process" in told
+    assert [path for path in cache.rglob("*") if path.is_file()] == []
+
+
+@needs_compiler
+def test_no_room_to_compile_in_is_an_error_that_helps(monkeypatch, cache):
+    def write_text(self, *arguments, **keywords):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "write_text", write_text)
+    with pytest.raises(GridgenError, match=r"cannot be compiled in .*No space left on device.*set TMPDIR"):
+        compile_library("tiny", ANSWER)
+
+
+@needs_compiler
+def test_a_library_that_may_not_be_loaded_is_an_error_that_helps(monkeypatch, cache):
+    """As where the cache folder is mounted so that nothing in it may run."""
+
+    def refuse(path):
+        raise OSError(f"{path}: failed to map segment from shared object")
+
+    monkeypatch.setattr(ctypes, "CDLL", refuse)
+    with pytest.raises(GridgenError, match=r"cannot be loaded.*set GRIDGEN_SYM_CACHE to a folder from which"):
+        compiler.open_library("tiny", ANSWER)
+
+
+_SOLVE = """
+import sys
+import gridgen_sym as gg
+gg.define("mine", "g11 + g22 + k*g12**2", parameters={"k": 0.5})
+print(gg.optimize(gg.domain("swan", 9, 9), "mine").grid.planes.tobytes().hex())
+"""
+
+
+@needs_compiler
+@pytest.mark.usefixtures("quick_compiler")
+def test_two_processes_with_one_cold_cache_make_the_same_grid(cache):
+    """The whole way at once: derivation, compilation of kernels and of multigrid, solution."""
+    command = [sys.executable, "-c", _SOLVE]
+    started = [subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    told = [process.communicate(timeout=300) for process in started]
+    assert [process.returncode for process in started] == [0, 0], told
+    assert told[0][0] == told[1][0] != "\n"
+    kept = [path for path in cache.rglob("*") if path.is_file()]
+    assert not [
+        path for path in kept if path.suffix not in (".so", ".c", ".py") and not path.name.startswith("openmp-")
+    ]
+
+
 # ---- sources derived when first used ----
+
+
+@pytest.mark.usefixtures("clean_registry")
+@pytest.mark.parametrize("suffix", [".c", ".py"])
+def test_a_damaged_source_is_derived_again(cache, suffix):
+    mine = define("mine", "g11 + 2*g22")
+    before = [path.read_bytes() for path in find_sources(mine, "plain")]
+    (damaged,) = (cache / "sources").glob(f"*{suffix}")
+    damaged.write_bytes(damaged.read_bytes()[:1000])
+    assert [path.read_bytes() for path in find_sources(mine, "plain")] == before
 
 
 @pytest.mark.usefixtures("clean_registry")

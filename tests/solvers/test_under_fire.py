@@ -18,6 +18,9 @@ from support_boundaries import (
 )
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.lift import lift
+from gridgen_sym.solvers.progress import Progress
+from gridgen_sym.solvers.untangle import Folds
 
 from .conftest import BARRIER, METHODS, edges, farthest
 from .test_never_worse import SOLVERS
@@ -113,10 +116,11 @@ def test_a_roomy_boundary_gives_a_valid_grid_or_a_proof(size, seed):
 @pytest.mark.parametrize(("seed", "ni", "nj"), [(9, 9, 7), (43, 5, 8), (296, 7, 9)])
 def test_boundaries_with_edges_of_very_different_lengths_are_gridded(name, seed, ni, nj):
     """The worst fold becomes shallower long after epsilon has fallen below the size of the long edges' cells."""
-    start = grid_of_ring(star_polygon(seed, 2 * (ni + nj) - 4, 1e-6), ni, nj)
+    start, steps = grid_of_ring(star_polygon(seed, 2 * (ni + nj) - 4, 1e-6), ni, nj), []
     assert gg.quality(start).folded_cells > 0
-    result = gg.untangle(start, name)
+    result = gg.untangle(start, name, callback=steps.append)
     assert result.converged, result.message
+    assert np.isfinite([step.energy for step in steps]).all(), "linear programs had to help"
     assert_honest(result, start)
 
 
@@ -130,6 +134,58 @@ def test_thin_bands_are_gridded(seed, ni, nj, angle):
     result = gg.untangle(start)
     assert result.converged, result.message
     assert_honest(result, start)
+
+
+@pytest.mark.parametrize("solve", [gg.untangle, *(SOLVERS[name] for name in ("newton", "local", "euler-lagrange"))])
+def test_a_clockwise_boundary_is_not_worth_a_step(solve):
+    steps = []
+    start = gg.Grid(gg.domain("zee", 17, 17).xy[::-1])
+    result = solve(start, "winslow", callback=steps.append)
+    assert len(steps) <= 1
+    assert not result.converged
+    assert result.grid == start
+    assert [proof.kind for proof in result.certificates] == ["clockwise"]
+    assert "runs clockwise" in result.message
+
+
+def narrow_corner():
+    """A boundary whose least folded grids, for falling epsilon, lead to a fold that stays; a valid grid exists."""
+    return grid_of_ring(smooth_curve(2423, 22, 0.3), 6, 7)
+
+
+@each_barrier
+def test_a_fold_in_a_narrow_corner_is_lifted(name):
+    start = narrow_corner()
+    result = gg.optimize(start, name)
+    assert result.converged, result.message
+    assert_honest(result, start)
+
+
+def test_lifting_reports_its_steps_and_can_be_stopped():
+    seen = []
+
+    def stop(step):
+        seen.append(step)
+        if np.isnan(step.energy):
+            raise StopIteration
+
+    result = gg.untangle(narrow_corner(), callback=stop)
+    assert result.interrupted
+    assert seen[-1].stage == "untangle"
+    assert seen[-1].min_jacobian > min(step.min_jacobian for step in seen)
+    assert result.quality.folded_cells <= gg.quality(narrow_corner()).folded_cells
+
+
+def test_lifting_makes_nothing_worse():
+    """Two cells of this long neck cannot both be unfolded: lifting the worst fold would fold more of them."""
+    start = grid_of_ring(smooth_curve(3211, 12, 0.6), 5, 3)
+    least = gg.untangle(start).grid
+    place = least.planes.copy()
+    fixed = np.zeros(start.shape, dtype=np.uint8)
+    fixed[[0, -1]], fixed[:, [0, -1]] = 1, 1
+    with Progress("lift") as report:
+        assert not lift(place, fixed, report)
+    assert Folds.of(place) <= Folds.of(least.planes)
 
 
 # ---- never worse ----

@@ -7,7 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
-from ...runtime import compile_library
+from ...runtime import open_library
 
 Stencil = Literal["symmetric", "general"]
 #: The C files of one translation unit, in their order.
@@ -34,7 +34,7 @@ def load_library(stencil: Stencil) -> ctypes.CDLL:
     """Compile and load for symmetric stencils, with conjugate gradients, or for general ones, with BiCGStab."""
     folder = Path(__file__).parent
     source = "\n".join((folder / f"{part}.c").read_text(encoding="utf-8") for part in _PARTS[stencil])
-    library = ctypes.CDLL(str(compile_library(f"multigrid_{stencil}", source)))
+    library = open_library(f"multigrid_{stencil}", source)
     pointer, integer, number = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
     signatures = {
         "take_planes": ([pointer, pointer, number], None),

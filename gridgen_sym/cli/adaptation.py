@@ -1,0 +1,93 @@
+"""The command `adapt`: move the nodes of a grid to where a function or data need them."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .base import functionals_option
+from .field import field_of
+from .grids import certify_and_draw, check_outputs, count_of, folds_of, say
+from .start import start_grid
+
+if TYPE_CHECKING:
+    from gridgen_sym.adaptation import AdaptResult
+
+_MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchical_error", "values")
+
+
+@click.command()
+@click.argument("input")
+@click.option("--to", required=True, metavar="FIELD", help="A formula in x and y, or a .npz or .csv file; see above.")
+@click.option(
+    "--monitor",
+    type=click.Choice(_MONITORS),
+    default="curvature",
+    show_default=True,
+    help="What nodes are drawn to; 'values' takes FIELD for the density of nodes.",
+)
+@click.option("--share", type=float, help="Share of the nodes that features get.  [default: 0.75]")
+@click.option("--smoothing", type=int, help="Passes of the average of the density.  [default: 2]")
+@click.option("--steps", type=int, help="At most so many steps.  [default: 30]")
+@click.option(
+    "--boundary",
+    type=click.Choice(("straight", "all", "fixed")),
+    help="Where boundary nodes slide.  [default: straight]",
+)
+@click.option("-f", "--functional", metavar="NAME", help="What is minimised.  [default: area_winslow]")
+@click.option("--size", type=int, nargs=2, metavar="NI NJ", help="Number of cells along xi and eta.  [default: 40 40]")
+@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv or .npz.")
+@click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
+@click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
+@functionals_option
+def adapt(
+    input: str,
+    to: str,
+    monitor: str,
+    share: float | None,
+    smoothing: int | None,
+    size: tuple[int, int] | None,
+    output: str | None,
+    plot: str | None,
+    quiet: bool,
+    **options: Any,  # noqa: ANN401
+) -> None:
+    """Adapt the grid INPUT to FIELD: a classical domain, an outline or a grid file.
+
+    FIELD is a formula such as 'tanh(50*(x + y - 1))'; a .npz file with arrays x, y and values (nx, ny), or with values
+    (ni, nj) at the nodes of INPUT; or a .csv file with the header x,y,value. No cell folds on the way.
+    """
+    from gridgen_sym.adaptation import Monitor
+    from gridgen_sym.adaptation import adapt as run
+
+    if quiet:
+        os.environ["GRIDGEN_SYM_QUIET"] = "1"
+        options["progress"] = False
+    check_outputs(output, plot)
+    knobs = {name: value for name, value in (("share", share), ("smoothing", smoothing)) if value is not None}
+    chosen = Monitor(monitor, **knobs)  # type: ignore[arg-type]
+    field = field_of(to, smooth=monitor != "values")
+    start = start_grid(input, size)
+    say(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
+    result = run(start, field, monitor=chosen, **{key: value for key, value in options.items() if value is not None})
+    _report(result, quiet)
+    if output:
+        result.grid.write(output)
+        say(quiet, f"wrote {output}")
+    certify_and_draw(result.grid, plot, f"{Path(input).stem}, adapted", quiet)
+    if result.interrupted:
+        raise click.exceptions.Exit(130)
+
+
+def _report(result: AdaptResult, quiet: bool) -> None:
+    """Print what came out; a grid that has not settled is told on standard error as well."""
+    if result.converged:
+        say(quiet, str(result))
+    else:
+        click.secho(str(result), fg="yellow", err=True)
+    say(quiet, f"density times area, at the start: {result.before.weight}")
+    say(quiet, f"density times area, now:          {result.after.weight}")
+    say(quiet, result.quality.summary())

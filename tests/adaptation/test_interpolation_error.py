@@ -1,0 +1,50 @@
+"""The measure by which adaptation is judged, against errors that are known in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gridgen_sym as gg
+
+SQUARE = gg.domain("square", 11, 11)
+
+
+def test_it_is_exact_for_a_parabola_and_zero_for_what_is_bilinear():
+    """On cells of width h the error of x² is x(h - x), whose square has the mean h⁴/30."""
+    assert gg.interpolation_error(SQUARE, "x**2") == pytest.approx(0.1**2 / np.sqrt(30), rel=1e-11)
+    assert gg.interpolation_error(SQUARE, lambda x, y: 2 + x - 3 * y + 4 * x * y) < 1e-13
+    assert gg.interpolation_error(SQUARE, lambda x, y: 5.0) < 1e-14
+
+
+def test_areas_count_also_on_a_sheared_grid():
+    sheared = gg.Grid.from_planes(2 * SQUARE.x + SQUARE.y, SQUARE.y)
+    assert gg.interpolation_error(sheared, "3", np.zeros((11, 11))) == pytest.approx(3 * np.sqrt(2))
+    assert gg.interpolation_error(sheared, "x - 2*y") < 1e-13
+
+
+def test_given_nodal_values_take_the_functions_place():
+    values = SQUARE.x**2
+    assert gg.interpolation_error(SQUARE, "x**2 + 1", values + 1) == pytest.approx(0.01 / np.sqrt(30))
+    assert gg.interpolation_error(SQUARE, "0", np.ones((11, 11))) == pytest.approx(1)
+
+
+def test_a_sympy_expression_is_a_function():
+    import sympy
+
+    assert gg.interpolation_error(SQUARE, sympy.Symbol("x") ** 2) == gg.interpolation_error(SQUARE, "x**2")
+
+
+@pytest.mark.parametrize(
+    ("grid", "function", "values", "match"),
+    [
+        (SQUARE.xy, "x", None, "expected a Grid, came ndarray"),
+        (SQUARE, "x", np.ones(3), r"shape \(11, 11\); came \(3,\)"),
+        (SQUARE, lambda x, y: x[0], None, r"one finite number per point, shape \(11, 11\)"),
+        (SQUARE, lambda x, y: np.where(x > 0.93, np.nan, x), np.ones((11, 11)), "are not finite"),
+        (SQUARE, "x + z", None, "unknown name 'z'"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused(grid, function, values, match):
+    with pytest.raises(gg.GridgenError, match=match):
+        gg.interpolation_error(grid, function, values)
