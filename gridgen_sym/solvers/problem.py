@@ -206,9 +206,10 @@ def make_problem(
             f"the grid's coordinates reach {largest:.3g}, and powers of them overflow: scale them to "
             f"a size of about 1 (at most {_LARGEST:g} is allowed)"
         )
-    if 0 < np.ptp(grid.planes, axis=(1, 2)).max() < _SMALLEST:
+    extent = np.ptp(grid.planes, axis=(1, 2)).max()
+    if 0 < extent < _SMALLEST:
         raise GridgenError(
-            f"the grid's extent is {np.ptp(grid.planes, axis=(1, 2)).max():.3g}, and powers of it underflow to zero: "
+            f"the grid's extent is {extent:.3g}, and powers of it underflow to zero: "
             f"scale it to a size of about 1 (at least {_SMALLEST:g} is needed)"
         )
     chosen = as_weight(weight)

@@ -89,10 +89,9 @@ def test_coarse_operators_are_galerkins(shape, kind):
     )
     prolongation = np.kron(np.kron(along_xi, along_eta), np.eye(2))
     expected = prolongation.T @ fine @ prolongation
-    inner = np.zeros(levels[1].fixed.shape, dtype=bool)
-    inner[1:-1, 1:-1] = True
-    inner = np.ix_(*2 * [np.repeat(inner.ravel(), 2)])
-    np.testing.assert_allclose(coarse[inner], expected[inner], atol=2e-6 * np.abs(expected).max())
+    free = np.repeat(levels[1].fixed.ravel() == 0, 2)
+    between = np.ix_(free, free)
+    np.testing.assert_allclose(coarse[between], expected[between], atol=2e-6 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("shape", [*SHAPES, (7, 200), (64, 65)], ids=str)

@@ -38,6 +38,20 @@ APART void coarsen_along_j(const float *restrict from, float *restrict to, int64
   coarsen_node(from + 2 * (nj - 2), to + nj - 2, S, C, node_between(nj - 2, nj, fine_nj), 1);
 }
 
+/* Cut the couplings of a row with fixed nodes: these get no correction, so nothing of them may enter a residual. */
+static void cut_fixed(const Level *level, int64_t i) {
+  const int64_t nj = level->nj, S = level->stride;
+  const uint8_t *fixed = level->fixed + i * nj;
+  if (!memchr(fixed - nj + 1, 1, nj - 2) && !memchr(fixed + 1, 1, nj - 2) && !memchr(fixed + nj + 1, 1, nj - 2)) return;
+  for (int plane = 0; plane < PLANES; ++plane) {
+    int64_t di, dj;
+    neighbor_of(plane, &di, &dj);
+    const uint8_t *there = fixed + di * nj + dj;
+    float *row = level->operator+ (i * PLANES + plane) * S;
+    for (int64_t j = 1; j < nj - 1; ++j) row[j] = (fixed[j] | there[j]) ? 0.0f : row[j];
+  }
+}
+
 /* Set Galerkin's operator, with bilinear interpolation, one direction after the other. The nodes of the boundary are
  * coupled with nothing. `rows` has PLANES fine rows for every thread of the fine level. */
 EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
@@ -53,6 +67,7 @@ EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
       coarsen_row(from, nj == fine->nj ? to : row, fine->nj, S, above, below);
       if (nj != fine->nj) coarsen_along_j(row, to, fine->nj, nj, S, C);
       for (int entry = 0; entry < PLANES; ++entry) to[entry * C] = to[entry * C + nj - 1] = 0.0f;
+      cut_fixed(coarse, i);
     }
   }
 }
