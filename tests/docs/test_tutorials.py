@@ -59,9 +59,10 @@ def clone(folder):
         ignored = shutil.ignore_patterns("__pycache__", "mathjax")
         shutil.copytree(ROOT / part, repository / part, ignore=ignored)
     # One of the built-in functionals is enough here: to generate all of them takes half a minute.
-    library = repository / "gridgen_sym" / "functionals" / "library.py"
-    head, *definitions = library.read_text(encoding="utf-8").split("\n\n\n@builtin(")
-    library.write_text("\n\n\n@builtin(".join([head, definitions[0]]).rstrip() + "\n", encoding="utf-8")
+    for file, kept in (("library.py", 1), ("adaptive.py", 0)):
+        library = repository / "gridgen_sym" / "functionals" / file
+        parts = library.read_text(encoding="utf-8").split("\n\n\n@builtin(")
+        library.write_text("\n\n\n@builtin(".join(parts[: kept + 1]).rstrip() + "\n", encoding="utf-8")
     for command in (["git", "init", "--quiet"], ["git", "add", "."]):
         subprocess.run(command, cwd=repository, check=True)
     return repository
