@@ -25,6 +25,37 @@
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
+/* With ONLY_A_PART and, say, ONLY_SWEEP defined, only that part is exported: the rest is unused, and compiles in no time. */
+#if defined(ONLY_A_PART) && !defined(ONLY_ENERGY)
+#define EXPORT_ENERGY static
+#else
+#define EXPORT_ENERGY EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_HESSIAN)
+#define EXPORT_HESSIAN static
+#else
+#define EXPORT_HESSIAN EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_SEMIDEFINITE)
+#define EXPORT_SEMIDEFINITE static
+#else
+#define EXPORT_SEMIDEFINITE EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_PRODUCTS)
+#define EXPORT_PRODUCTS static
+#else
+#define EXPORT_PRODUCTS EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_SWEEP)
+#define EXPORT_SWEEP static
+#else
+#define EXPORT_SWEEP EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_EQUATIONS)
+#define EXPORT_EQUATIONS static
+#else
+#define EXPORT_EQUATIONS EXPORT
+#endif
 /* A loop that is inlined into another loses `restrict`, and then does not vectorise: such functions are kept apart. */
 #if defined(__GNUC__)
 #define INLINE static inline __attribute__((always_inline))
@@ -363,7 +394,7 @@ static void energy_rows(const Block *block, int64_t first, int64_t last, const d
   }
 }
 
-EXPORT void area_frozen_energy(const Block *block, const double *coordinates, const double *weight, const double *parameters,
+EXPORT_ENERGY void area_frozen_energy(const Block *block, const double *coordinates, const double *weight, const double *parameters,
                   double *row_energy, double *row_min_jacobian) {
   FOR_ROWS(energy_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, row_energy,
                        row_min_jacobian))
@@ -496,7 +527,7 @@ static void energy_gradient_rows(const Block *block, int64_t first, int64_t last
   }
 }
 
-EXPORT void area_frozen_energy_gradient(const Block *block, const double *coordinates, const double *weight,
+EXPORT_ENERGY void area_frozen_energy_gradient(const Block *block, const double *coordinates, const double *weight,
                            const double *parameters, double *row_energy, double *row_min_jacobian, double *gradient) {
   FOR_ROWS(energy_gradient_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters,
                                 row_energy, row_min_jacobian, gradient))
@@ -790,7 +821,7 @@ static void hessian_rows(const Block *block, int64_t first, int64_t last, const 
       if (part < 7 || part > 10) hessian[part * plane + (last - 1) * stride + j] = 0.0;
 }
 
-EXPORT void area_frozen_hessian(const Block *block, const double *coordinates, const double *weight,
+EXPORT_HESSIAN void area_frozen_hessian(const Block *block, const double *coordinates, const double *weight,
                    const double *parameters, double *hessian) {
   FOR_ROWS(hessian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, hessian))
 }
@@ -1058,7 +1089,7 @@ static void semidefinite_hessian_rows(const Block *block, int64_t first, int64_t
       if (part < 7 || part > 10) hessian[part * plane + (last - 1) * stride + j] = 0.0;
 }
 
-EXPORT void area_frozen_semidefinite_hessian(const Block *block, const double *coordinates, const double *weight,
+EXPORT_SEMIDEFINITE void area_frozen_semidefinite_hessian(const Block *block, const double *coordinates, const double *weight,
                    const double *parameters, double *hessian) {
   FOR_ROWS(semidefinite_hessian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, hessian))
 }
@@ -1151,7 +1182,7 @@ static void hessian_vector_rows(const Block *block, int64_t first, int64_t last,
   }
 }
 
-EXPORT void area_frozen_hessian_vector(const Block *block, const double *coordinates, const double *weight,
+EXPORT_PRODUCTS void area_frozen_hessian_vector(const Block *block, const double *coordinates, const double *weight,
                    const double *parameters, const double *vector, double *product) {
   FOR_ROWS(hessian_vector_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, vector,
                                product))
@@ -1243,7 +1274,7 @@ static void semidefinite_hessian_vector_rows(const Block *block, int64_t first, 
   }
 }
 
-EXPORT void area_frozen_semidefinite_hessian_vector(const Block *block, const double *coordinates, const double *weight,
+EXPORT_PRODUCTS void area_frozen_semidefinite_hessian_vector(const Block *block, const double *coordinates, const double *weight,
                    const double *parameters, const double *vector, double *product) {
   FOR_ROWS(semidefinite_hessian_vector_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, vector,
                                product))
@@ -1462,7 +1493,7 @@ static void sweep_rows(const Block *block, int64_t first, int64_t last, int64_t 
 
 /* Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold. A
  * step longer than `reach` is not taken; row_step keeps the largest component of a step of each row. */
-EXPORT void area_frozen_sweep(const Block *block, double *coordinates, const double *weight, const double *parameters,
+EXPORT_SWEEP void area_frozen_sweep(const Block *block, double *coordinates, const double *weight, const double *parameters,
                  const uint8_t *fixed, int64_t color, double floor, double reach, double *row_step) {
   FOR_ROWS(sweep_rows(block, first, last, color, coordinates, coordinates + block->plane, weight, parameters, fixed,
                       floor, reach, row_step))
@@ -1495,7 +1526,7 @@ static void residual_rows(const Block *block, int64_t first, int64_t last, const
   }
 }
 
-EXPORT void area_frozen_euler_lagrange_residual(const Block *block, const double *coordinates, const double *weight,
+EXPORT_EQUATIONS void area_frozen_euler_lagrange_residual(const Block *block, const double *coordinates, const double *weight,
                                    const double *parameters, double *residual) {
   FOR_ROWS(residual_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, residual))
 }
@@ -1585,7 +1616,7 @@ static void jacobian_rows(const Block *block, int64_t first, int64_t last, const
   }
 }
 
-EXPORT void area_frozen_euler_lagrange_jacobian(const Block *block, const double *coordinates, const double *weight,
+EXPORT_EQUATIONS void area_frozen_euler_lagrange_jacobian(const Block *block, const double *coordinates, const double *weight,
                                    const double *parameters, double *jacobian) {
   FOR_ROWS(jacobian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, jacobian))
 }
@@ -1669,7 +1700,7 @@ static void frozen_jacobian_rows(const Block *block, int64_t first, int64_t last
   }
 }
 
-EXPORT void area_frozen_euler_lagrange_frozen_jacobian(const Block *block, const double *coordinates, const double *weight,
+EXPORT_EQUATIONS void area_frozen_euler_lagrange_frozen_jacobian(const Block *block, const double *coordinates, const double *weight,
                                    const double *parameters, double *jacobian) {
   FOR_ROWS(frozen_jacobian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, jacobian))
 }
@@ -1709,7 +1740,7 @@ static void relaxation_rows(const Block *block, int64_t first, int64_t last, dou
   }
 }
 
-EXPORT void area_frozen_euler_lagrange_relaxation(const Block *block, double *coordinates, const double *weight,
+EXPORT_EQUATIONS void area_frozen_euler_lagrange_relaxation(const Block *block, double *coordinates, const double *weight,
                                      const double *parameters, const uint8_t *fixed, int64_t color, double relaxation) {
   FOR_ROWS(relaxation_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, fixed, color,
                            relaxation))

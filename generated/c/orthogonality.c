@@ -24,6 +24,37 @@
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
+/* With ONLY_A_PART and, say, ONLY_SWEEP defined, only that part is exported: the rest is unused, and compiles in no time. */
+#if defined(ONLY_A_PART) && !defined(ONLY_ENERGY)
+#define EXPORT_ENERGY static
+#else
+#define EXPORT_ENERGY EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_HESSIAN)
+#define EXPORT_HESSIAN static
+#else
+#define EXPORT_HESSIAN EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_SEMIDEFINITE)
+#define EXPORT_SEMIDEFINITE static
+#else
+#define EXPORT_SEMIDEFINITE EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_PRODUCTS)
+#define EXPORT_PRODUCTS static
+#else
+#define EXPORT_PRODUCTS EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_SWEEP)
+#define EXPORT_SWEEP static
+#else
+#define EXPORT_SWEEP EXPORT
+#endif
+#if defined(ONLY_A_PART) && !defined(ONLY_EQUATIONS)
+#define EXPORT_EQUATIONS static
+#else
+#define EXPORT_EQUATIONS EXPORT
+#endif
 /* A loop that is inlined into another loses `restrict`, and then does not vectorise: such functions are kept apart. */
 #if defined(__GNUC__)
 #define INLINE static inline __attribute__((always_inline))
@@ -348,7 +379,7 @@ static void energy_rows(const Block *block, int64_t first, int64_t last, const d
   }
 }
 
-EXPORT void orthogonality_energy(const Block *block, const double *coordinates, const double *weight, const double *parameters,
+EXPORT_ENERGY void orthogonality_energy(const Block *block, const double *coordinates, const double *weight, const double *parameters,
                   double *row_energy, double *row_min_jacobian) {
   FOR_ROWS(energy_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, row_energy,
                        row_min_jacobian))
@@ -481,7 +512,7 @@ static void energy_gradient_rows(const Block *block, int64_t first, int64_t last
   }
 }
 
-EXPORT void orthogonality_energy_gradient(const Block *block, const double *coordinates, const double *weight,
+EXPORT_ENERGY void orthogonality_energy_gradient(const Block *block, const double *coordinates, const double *weight,
                            const double *parameters, double *row_energy, double *row_min_jacobian, double *gradient) {
   FOR_ROWS(energy_gradient_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters,
                                 row_energy, row_min_jacobian, gradient))
@@ -888,7 +919,7 @@ static void hessian_rows(const Block *block, int64_t first, int64_t last, const 
       if (part < 7 || part > 10) hessian[part * plane + (last - 1) * stride + j] = 0.0;
 }
 
-EXPORT void orthogonality_hessian(const Block *block, const double *coordinates, const double *weight,
+EXPORT_HESSIAN void orthogonality_hessian(const Block *block, const double *coordinates, const double *weight,
                    const double *parameters, double *hessian) {
   FOR_ROWS(hessian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, hessian))
 }
@@ -1069,7 +1100,7 @@ static void semidefinite_hessian_rows(const Block *block, int64_t first, int64_t
       if (part < 7 || part > 10) hessian[part * plane + (last - 1) * stride + j] = 0.0;
 }
 
-EXPORT void orthogonality_semidefinite_hessian(const Block *block, const double *coordinates, const double *weight,
+EXPORT_SEMIDEFINITE void orthogonality_semidefinite_hessian(const Block *block, const double *coordinates, const double *weight,
                    const double *parameters, double *hessian) {
   FOR_ROWS(semidefinite_hessian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, hessian))
 }
@@ -1162,7 +1193,7 @@ static void hessian_vector_rows(const Block *block, int64_t first, int64_t last,
   }
 }
 
-EXPORT void orthogonality_hessian_vector(const Block *block, const double *coordinates, const double *weight,
+EXPORT_PRODUCTS void orthogonality_hessian_vector(const Block *block, const double *coordinates, const double *weight,
                    const double *parameters, const double *vector, double *product) {
   FOR_ROWS(hessian_vector_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, vector,
                                product))
@@ -1373,7 +1404,7 @@ static void sweep_rows(const Block *block, int64_t first, int64_t last, int64_t 
 
 /* Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold. A
  * step longer than `reach` is not taken; row_step keeps the largest component of a step of each row. */
-EXPORT void orthogonality_sweep(const Block *block, double *coordinates, const double *weight, const double *parameters,
+EXPORT_SWEEP void orthogonality_sweep(const Block *block, double *coordinates, const double *weight, const double *parameters,
                  const uint8_t *fixed, int64_t color, double floor, double reach, double *row_step) {
   FOR_ROWS(sweep_rows(block, first, last, color, coordinates, coordinates + block->plane, weight, parameters, fixed,
                       floor, reach, row_step))
@@ -1406,7 +1437,7 @@ static void residual_rows(const Block *block, int64_t first, int64_t last, const
   }
 }
 
-EXPORT void orthogonality_euler_lagrange_residual(const Block *block, const double *coordinates, const double *weight,
+EXPORT_EQUATIONS void orthogonality_euler_lagrange_residual(const Block *block, const double *coordinates, const double *weight,
                                    const double *parameters, double *residual) {
   FOR_ROWS(residual_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, residual))
 }
@@ -1496,7 +1527,7 @@ static void jacobian_rows(const Block *block, int64_t first, int64_t last, const
   }
 }
 
-EXPORT void orthogonality_euler_lagrange_jacobian(const Block *block, const double *coordinates, const double *weight,
+EXPORT_EQUATIONS void orthogonality_euler_lagrange_jacobian(const Block *block, const double *coordinates, const double *weight,
                                    const double *parameters, double *jacobian) {
   FOR_ROWS(jacobian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, jacobian))
 }
@@ -1580,7 +1611,7 @@ static void frozen_jacobian_rows(const Block *block, int64_t first, int64_t last
   }
 }
 
-EXPORT void orthogonality_euler_lagrange_frozen_jacobian(const Block *block, const double *coordinates, const double *weight,
+EXPORT_EQUATIONS void orthogonality_euler_lagrange_frozen_jacobian(const Block *block, const double *coordinates, const double *weight,
                                    const double *parameters, double *jacobian) {
   FOR_ROWS(frozen_jacobian_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, jacobian))
 }
@@ -1620,7 +1651,7 @@ static void relaxation_rows(const Block *block, int64_t first, int64_t last, dou
   }
 }
 
-EXPORT void orthogonality_euler_lagrange_relaxation(const Block *block, double *coordinates, const double *weight,
+EXPORT_EQUATIONS void orthogonality_euler_lagrange_relaxation(const Block *block, double *coordinates, const double *weight,
                                      const double *parameters, const uint8_t *fixed, int64_t color, double relaxation) {
   FOR_ROWS(relaxation_rows(block, first, last, coordinates, coordinates + block->plane, weight, parameters, fixed, color,
                            relaxation))

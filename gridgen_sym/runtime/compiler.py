@@ -88,13 +88,18 @@ def _openmp_trial(path: str) -> subprocess.CompletedProcess[str] | None:
     return None
 
 
-def open_library(name: str, source: str) -> ctypes.CDLL:
+def open_library(name: str, source: str, part: str = "") -> ctypes.CDLL:
     """Load the shared library of a C source, which is compiled now or found in the cache.
+
+    Args:
+        name: of the file, and what the user is told to wait for.
+        source: the C source.
+        part: what part of it this is, for the user.
 
     Raises:
         GridgenError: as for `compile_library`; or if the system does not let the library be loaded.
     """
-    library = compile_library(name, source)
+    library = compile_library(name, source, part)
     try:
         return ctypes.CDLL(str(library))
     except OSError as error:
@@ -104,8 +109,8 @@ def open_library(name: str, source: str) -> ctypes.CDLL:
         ) from error
 
 
-def compile_library(name: str, source: str) -> Path:
-    """Return the shared library of a C source, compiled now or found in the cache.
+def compile_library(name: str, source: str, part: str = "") -> Path:
+    """Return the shared library of a C source, compiled now or found in the cache; arguments as for `open_library`.
 
     Raises:
         GridgenError: if there is no compiler, or if it rejects the source, with its messages, or is killed.
@@ -117,7 +122,7 @@ def compile_library(name: str, source: str) -> Path:
     stem = f"{name}-{cache.digest(source, *placeholder, compiler.version, _processor())}"
     library = cache.find(stem, ".so")
     if library is None:
-        say(f"compiling the kernels of {name} (once per machine) ...")
+        say(f"compiling the kernels of {name}{f': {part}' if part else ''} (once per machine) ...")
         library = cache.keep(stem, ".so", _build(compiler, name, source))
     return library
 

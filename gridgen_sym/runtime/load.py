@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -24,6 +26,23 @@ SIGNATURES = {
     "euler_lagrange_jacobian": "aaaa",
     "euler_lagrange_frozen_jacobian": "aaaa",
     "euler_lagrange_relaxation": "aaaaid",
+}
+
+
+#: Functions that are compiled together, by the name of the part in C and for the user. Optimising the whole file takes
+#: the compiler several seconds, and a solver needs two or three parts of it.
+PARTS = {
+    ("ENERGY", "energy and gradient"): ("energy", "energy_gradient"),
+    ("HESSIAN", "Hessian"): ("hessian",),
+    ("SEMIDEFINITE", "semidefinite Hessian"): ("semidefinite_hessian",),
+    ("PRODUCTS", "Hessian times a vector"): ("hessian_vector", "semidefinite_hessian_vector"),
+    ("SWEEP", "sweep over nodes"): ("sweep",),
+    ("EQUATIONS", "Euler–Lagrange equations"): (
+        "euler_lagrange_residual",
+        "euler_lagrange_jacobian",
+        "euler_lagrange_frozen_jacobian",
+        "euler_lagrange_relaxation",
+    ),
 }
 
 
@@ -55,10 +74,17 @@ class CompiledBackend:
     name = "c"
 
     def load(self, kernel: str, c_source: Callable[[], str], module: dict[str, Any]) -> dict[str, Callable[..., None]]:
-        """Compile (or find in the cache) and load."""
-        library = open_library(kernel, c_source())
-        available = {name for name in SIGNATURES if f"{kernel}_{name}" in module}
-        return {name: _wrapped(getattr(library, f"{kernel}_{name}"), SIGNATURES[name]) for name in available}
+        """Compile (or find in the cache) and load the energy, which shows a bad compiler; other parts when called."""
+        source = c_source()
+        functions: dict[str, Callable[..., None]] = {}
+        for (macro, part), names in PARTS.items():
+            text = f"#define ONLY_A_PART\n#define ONLY_{macro}\n{source}"
+            library = cache(lambda text=text, part=part: open_library(kernel, text, part))
+            if macro == "ENERGY":
+                library()
+            available = [name for name in names if f"{kernel}_{name}" in module]
+            functions |= {name: _Function(library, f"{kernel}_{name}", SIGNATURES[name]) for name in available}
+        return functions
 
 
 class NumpyBackend:
@@ -71,19 +97,37 @@ class NumpyBackend:
         return {name: module[f"{kernel}_{name}"] for name in SIGNATURES if f"{kernel}_{name}" in module}
 
 
-def _wrapped(function: Any, kinds: str) -> Callable[..., None]:  # noqa: ANN401 - a ctypes function
-    """Return a Python function that passes arrays as plain pointers, ten times faster than ndpointer does."""
-    types = {"a": ctypes.c_void_p, "i": ctypes.c_int64, "d": ctypes.c_double}
-    function.argtypes = [ctypes.POINTER(Block), *(types[kind] for kind in kinds)]
-    function.restype = None
+@dataclass(slots=True)
+class _Function:
+    """A function of a library that is loaded at the first call.
 
-    def call(block: Block, *arguments: Any) -> None:  # noqa: ANN401
-        function(
+    Arrays go as plain pointers, which is ten times faster than ndpointer.
+
+    Attributes:
+        library: loads it.
+        name: of the function there.
+        kinds: of its arguments, as in `SIGNATURES`.
+    """
+
+    library: Callable[[], ctypes.CDLL]
+    name: str
+    kinds: str
+    _loaded: Any = None
+
+    def __call__(self, block: Block, *arguments: Any) -> None:  # noqa: ANN401
+        if self._loaded is None:
+            self._load()
+        self._loaded(
             ctypes.byref(block),
             *(value.ctypes.data if isinstance(value, np.ndarray) else value for value in arguments),
         )
 
-    return call
+    def _load(self) -> None:
+        types = {"a": ctypes.c_void_p, "i": ctypes.c_int64, "d": ctypes.c_double}
+        function = getattr(self.library(), self.name)
+        function.argtypes = [ctypes.POINTER(Block), *(types[kind] for kind in self.kinds)]
+        function.restype = None
+        self._loaded = function
 
 
 def load_module(path: Path | str, text: str) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import shutil
 import subprocess
 from itertools import chain
@@ -121,7 +122,9 @@ def test_twin_entry_templates_use_the_same_variables_and_all_of_them():
 
 def test_every_template_is_used():
     reached = set()
-    waiting = [entry for entry, _, _ in LANGUAGES.values()] + ["docs/functional.md.jinja"]
+    code = [path.read_text(encoding="utf-8") for path in TEMPLATES.parent.joinpath("gridgen_sym").rglob("*.py")]
+    pages = {f"docs/{name}" for text in code for name in re.findall(r'"(\w+\.(?:md|html)\.jinja)"', text)}
+    waiting = [*(entry for entry, _, _ in LANGUAGES.values()), *pages]
     while waiting:
         name = waiting.pop()
         reached.add(name)
@@ -163,6 +166,6 @@ def test_render_is_the_only_module_that_opens_templates():
         if 'resource_folder("templates")' in path.read_text(encoding="utf-8")
     ]
     assert "render.py" in users
-    # The cache key of kernels derived at run time covers the templates' bytes.
-    assert set(users) <= {"render.py", "sources.py"}
+    # The cache key of kernels derived at run time covers the templates' bytes; the settings name the folder of styles.
+    assert set(users) <= {"render.py", "sources.py", "settings.py"}
     assert render_module.environment().undefined is jinja2.StrictUndefined

@@ -16,11 +16,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gridgen_sym import messages
+from gridgen_sym import domain, messages
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.functionals import define, functional
 from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels
 from gridgen_sym.runtime.compiler import compile_library
+from gridgen_sym.runtime.load import PARTS, SIGNATURES
 from gridgen_sym.runtime.sources import find_sources
 
 ANSWER = 'int answer(void);\n__attribute__((visibility("default"))) int answer(void) { return 42; }\n'
@@ -383,6 +384,38 @@ def test_two_processes_with_one_cold_cache_make_the_same_grid(cache):
     assert not [
         path for path in kept if path.suffix not in (".so", ".c", ".py") and not path.name.startswith("openmp-")
     ]
+
+
+# ---- parts of a kernel file ----
+
+
+@needs_compiler
+def test_a_part_is_compiled_when_it_is_first_called_and_said(cache, capsys):
+    coordinates = np.ascontiguousarray(domain("wavy", 5, 5).planes)
+    found = kernels(functional("length"), backend="c")
+    energy = found.energy(coordinates)[0]
+    assert len(libraries(cache)) == 1
+    assert capsys.readouterr().err == (
+        "gridgen_sym: compiling the kernels of length: energy and gradient (once per machine) ...\n"
+    )
+    planes = found.hessian(coordinates)
+    assert found.hessian(coordinates)[3, 1, 1] == planes[3, 1, 1] == -8.0
+    assert len(libraries(cache)) == 2
+    assert capsys.readouterr().err.count("compiling the kernels of length: Hessian") == 1
+    forget()
+    assert kernels(functional("length"), backend="c").energy(coordinates)[0] == energy
+    assert capsys.readouterr().err == ""
+
+
+@needs_compiler
+def test_each_part_exports_its_functions_and_no_others(cache):
+    assert sorted(name for names in PARTS.values() for name in names) == sorted(SIGNATURES)
+    source = find_sources(functional("length"), "plain")[0].read_text(encoding="utf-8")
+    for macro, _ in PARTS:
+        text = f"#define ONLY_A_PART\n#define ONLY_{macro}\n{source}"
+        library = ctypes.CDLL(str(compile_library("length", text)))
+        exported = {name for name in SIGNATURES if hasattr(library, f"length_{name}")}
+        assert exported == {name for (part, _), names in PARTS.items() for name in names if part == macro}
 
 
 # ---- sources derived when first used ----
