@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # Tests that run side by side share the processors: two threads each would wait for each other.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from gridgen_sym.functionals import definition
 
