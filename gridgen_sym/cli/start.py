@@ -106,7 +106,10 @@ def _grid_file(path: str, size: tuple[int, int] | None, reorient: bool) -> Grid:
     from gridgen_sym.messages import say
 
     if size is not None:
-        raise GridgenError(f"{path} is a grid file and has its own number of cells: drop --size")
+        raise GridgenError(
+            f"{path} is read as a grid file, which has its own number of cells: drop --size; if it is an outline, say "
+            "--corners auto, or name its corners in a line '# corners: 0 10 20 30'"
+        )
     grid = read(path)
     if reorient and any(found.kind == "clockwise" for found in certificates(grid)):
         say(f"{path} runs clockwise: its sides left and right are exchanged")

@@ -105,9 +105,8 @@ class Run:
         told = "this is the start."
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
-        return (
-            f"{told} {quality(grid).describe_folds()} {proofs_text(grid) or 'No proof was found that there is none.'}"
-        )
+        proofs = proofs_text(grid) or "No proof was found that there is no valid grid."
+        return f"{told} {quality(grid).describe_folds()}\n{proofs}"
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:
         """Return what the run has found."""
