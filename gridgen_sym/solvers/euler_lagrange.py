@@ -143,7 +143,7 @@ def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> No
     numbers = [isinstance(value, (int, float, np.number)) and 0 < value < np.inf for value in given]
     if numbers != [True, True]:
         raise GridgenError(f"spacing must be two positive numbers, along xi and along eta; came {spacing!r}")
-    if relaxation is not None and not (isinstance(relaxation, (int, float)) and 0 < relaxation < 2):
+    if relaxation is not None and not (isinstance(relaxation, (int, float, np.number)) and 0 < relaxation < 2):
         raise GridgenError(f"expected a relaxation between 0 and 2; came {relaxation!r}")
 
 

@@ -44,6 +44,14 @@ def test_step_control_says_when_it_acted(solver):
     assert "keep_valid=False" in held.message
 
 
+def test_steps_that_were_cut_are_counted():
+    """Newton's steps stop just before the first folded cell; a barrier's own line search is nothing to tell."""
+    start = gg.domain("chevron", 21, 21)
+    assert "cut short so that no cell folds" in gg.optimize(start, "length", max_iterations=3).message
+    assert "cut short" not in gg.optimize(start, "winslow", max_iterations=3).message
+    assert "cut short" not in gg.optimize(gg.domain("wavy", 9, 9), "length").message
+
+
 @each_solver
 @pytest.mark.parametrize("name", ["winslow", "length"])
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, StopIteration])

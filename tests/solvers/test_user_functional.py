@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import gridgen_sym as gg
@@ -153,3 +154,16 @@ def test_shares_change_the_grid(method):
 def test_bad_parameters_are_refused(solve, parameters, said):
     with pytest.raises(gg.GridgenError, match=said):
         solve(mild_grid(), "combined", parameters=parameters)
+
+
+@pytest.mark.parametrize("method", ["newton", "local"])
+def test_an_energy_without_a_lower_bound_is_told(method):
+    gg.define("runaway", lambda m: -m.g11 - m.g22)
+    start = gg.domain("wavy", 9, 9)
+    guarded = gg.optimize(start, "runaway", method)
+    assert not guarded.converged
+    assert guarded.quality.valid
+    free = gg.optimize(start, "runaway", method, keep_valid=False)
+    assert not free.converged
+    assert "diverge, which happens where the energy has no lower bound" in free.message
+    assert np.abs(free.grid.planes).max() < 1e5
