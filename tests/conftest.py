@@ -19,7 +19,7 @@ def not_quiet(monkeypatch):
     monkeypatch.delenv("GRIDGEN_SYM_QUIET", raising=False)
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def clean_registry(monkeypatch):
     """Forget the functionals that a test defines."""
     monkeypatch.setattr(definition, "_registry", dict(definition._registry))

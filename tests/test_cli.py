@@ -15,8 +15,6 @@ import gridgen_sym as gg
 from gridgen_sym.cli import main
 from gridgen_sym.runtime import find_compiler
 
-pytestmark = pytest.mark.usefixtures("clean_registry")
-
 ROOT = Path(__file__).parent.parent
 BACKENDS = ("c", "numpy") if find_compiler() else ("numpy",)
 MINE = '''import gridgen_sym as gg

@@ -40,7 +40,6 @@ def test_a_table_that_differs_is_noticed():
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
-@pytest.mark.usefixtures("clean_registry")
 def test_an_example_runs(script, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")
     text = script.read_text(encoding="utf-8")
@@ -65,7 +64,6 @@ def blocks(language):
     return [part.removeprefix(f"{language}\n") for part in parts if part.startswith(f"{language}\n")]
 
 
-@pytest.mark.usefixtures("clean_registry")
 def test_the_readmes_python_runs(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
@@ -87,5 +85,5 @@ def test_the_readmes_two_command_lines_are_single_lines():
     install, test = (text.strip() for text in blocks("") if "python3 -m venv" in text)
     assert len(install.splitlines()) == len(test.splitlines()) == 1
     assert "gridgen-sym grid examples/outlines/texas.csv" in install
-    assert test.endswith(".venv/bin/pytest")
+    assert test.endswith(".venv/bin/pytest -n auto")
     assert README.index("<!-- test command -->") < README.index(test)

@@ -329,7 +329,7 @@ def full_disk(monkeypatch, folder: Path):
 
 
 @needs_compiler
-@pytest.mark.usefixtures("clean_registry", "quick_compiler")
+@pytest.mark.usefixtures("quick_compiler")
 def test_a_full_disk_costs_the_cache_only(monkeypatch, cache, capsys):
     full_disk(monkeypatch, cache)
     assert answer_of(compile_library("tiny", ANSWER)) == 42
@@ -421,7 +421,6 @@ def test_each_part_exports_its_functions_and_no_others(cache):
 # ---- sources derived when first used ----
 
 
-@pytest.mark.usefixtures("clean_registry")
 @pytest.mark.parametrize("suffix", [".c", ".py"])
 def test_a_damaged_source_is_derived_again(cache, suffix):
     mine = define("mine", "g11 + 2*g22")
@@ -431,7 +430,6 @@ def test_a_damaged_source_is_derived_again(cache, suffix):
     assert [path.read_bytes() for path in find_sources(mine, "plain")] == before
 
 
-@pytest.mark.usefixtures("clean_registry")
 def test_a_functional_of_a_user_is_derived_once_and_kept(cache, capsys):
     mine = define("mine", "g11 + 2*g22 + k*J**2", parameters={"k": 1})
     first = find_sources(mine, "plain")

@@ -17,8 +17,6 @@ from .conftest import (
     relative,
 )
 
-pytestmark = pytest.mark.usefixtures("clean_registry")
-
 
 @pytest.fixture
 def walled():
