@@ -16,7 +16,7 @@ from ..grids import Grid, quality
 from ..grids.grid import check_grid
 from ..runtime import Array
 from ..solvers import untangle
-from ..solvers.problem import fixed_mask
+from ..solvers.checks import fixed_mask
 from ..solvers.sampled import SampledField, grid_field
 from .equidistribution import cell_areas, cell_means, equidistribution, variation
 from .error_estimate import hierarchical_error

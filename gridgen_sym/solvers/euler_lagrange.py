@@ -16,11 +16,12 @@ import numpy.typing as npt
 from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid, corner_jacobians
+from .checks import check_controls
 from .equations import Equations
 from .equations_newton import solve_by_newton
 from .equations_relaxation import solve_by_relaxation
 from .newton import minimize
-from .problem import Problem, check_controls, make_problem
+from .problem import Problem, make_problem
 from .progress import Callback, Progress
 from .result import Result
 from .run import Run

@@ -10,9 +10,10 @@ import numpy.typing as npt
 from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid
+from .checks import check_controls
 from .local import sweep_until_converged
 from .newton import minimize
-from .problem import Problem, check_controls, make_problem, norm_of
+from .problem import Problem, make_problem, norm_of
 from .progress import Callback, Progress
 from .result import Result
 from .run import Run

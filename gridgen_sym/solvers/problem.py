@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
-from ..grids import Grid, certificates, corner_jacobians
+from ..grids import Grid
 from ..grids.grid import check_grid
 from ..runtime import Array, KernelSet, Mask, kernels
-from .progress import Callback, Progress
-from .result import Result
+from .checks import check_size, fixed_mask
 from .weight import Source, Weight, as_weight
-
-#: Coordinates beyond this size overflow in densities of the fourth degree, and in their squares; grids below the other
-#: underflow there.
-_LARGEST, _SMALLEST = 1e30, 1e-30
 
 
 @dataclass(slots=True)
@@ -200,94 +193,9 @@ def make_problem(
         GridgenError: for an unknown functional, bad parameters, a bad weight or a mask of the wrong shape.
     """
     check_grid(grid)
-    largest = max(grid.planes.max(), -grid.planes.min())
-    if largest > _LARGEST:
-        raise GridgenError(
-            f"the grid's coordinates reach {largest:.3g}, and powers of them overflow: scale them to "
-            f"a size of about 1 (at most {_LARGEST:g} is allowed)"
-        )
-    extent = np.ptp(grid.planes, axis=(1, 2)).max()
-    if 0 < extent < _SMALLEST:
-        raise GridgenError(
-            f"the grid's extent is {extent:.3g}, and powers of it underflow to zero: "
-            f"scale it to a size of about 1 (at least {_SMALLEST:g} is needed)"
-        )
+    check_size(grid)
     chosen = as_weight(weight)
     kernel_set = kernels(functional(name), chosen.mode if chosen else "plain", parameters, backend)
     problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, bool(interior_only))
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem
-
-
-def fixed_mask(grid: Grid, fixed: npt.ArrayLike | None) -> Mask:
-    """Return the mask of nodes that do not move: the boundary, and inner nodes where `fixed` is true.
-
-    Raises:
-        GridgenError: if `fixed` has another shape than the grid.
-    """
-    mask = np.zeros(grid.shape, dtype=np.uint8)
-    if fixed is not None:
-        try:
-            given: npt.NDArray[Any] = np.asarray(fixed)
-        except ValueError as error:
-            raise GridgenError(f"fixed must be a mask of the grid's shape {grid.shape}; came {error}") from error
-        if given.shape != grid.shape or given.dtype.kind not in "biu":
-            raise GridgenError(
-                f"fixed must be a mask of the grid's shape {grid.shape}, true at nodes that do not move; "
-                f"came shape {given.shape}, type {given.dtype}"
-            )
-        mask |= given != 0
-    mask[0], mask[-1], mask[:, 0], mask[:, -1] = 1, 1, 1, 1
-    return mask
-
-
-def check_controls(
-    tolerance: float, max_iterations: int | None, callback: Callback | None, time_limit: float | None
-) -> None:
-    """Refuse a tolerance, a number of iterations, a callback or a time limit that means nothing."""
-    if not isinstance(tolerance, (int, float, np.number)) or not 0 < tolerance < 1:
-        raise GridgenError(
-            f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {tolerance!r}"
-        )
-    if max_iterations is not None and (
-        isinstance(max_iterations, bool) or not isinstance(max_iterations, (int, np.integer))
-    ):
-        raise GridgenError(f"max_iterations must be a whole number; came {max_iterations!r}")
-    if max_iterations is not None and max_iterations < 0:
-        raise GridgenError(f"max_iterations must not be negative; came {max_iterations}")
-    if callback is not None and not callable(callback):
-        raise GridgenError(f"callback must be a function of one Step; came {callback!r}")
-    if time_limit is not None and not (isinstance(time_limit, (int, float, np.number)) and time_limit > 0):
-        raise GridgenError(f"time_limit must be a positive number of seconds; came {time_limit!r}")
-
-
-def proofs_text(grid: Grid) -> str:
-    """Return the proofs that no valid grid has this boundary, as a sentence; nothing where there are none."""
-    proofs = [str(proof) for proof in certificates(grid)]
-    return f"With this boundary {'; '.join(proofs)}." if proofs else ""
-
-
-def result_of(
-    problem: Problem,
-    coordinates: Array,
-    report: Progress,
-    converged: bool,
-    message: str,
-    *,
-    interrupted: bool = False,
-) -> Result:
-    """Return what a solver found, with what must be said of folded cells and of the weight."""
-    energy, smallest = problem.energy(coordinates)
-    if not smallest > 0 and "folded (J" not in message:
-        folded = int((corner_jacobians(coordinates[0], coordinates[1]) <= 0).any(axis=0).sum())
-        message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded."
-        message += f" {proofs_text(Grid.from_planes(*coordinates))}"
-    return Result(
-        grid=Grid.from_planes(coordinates[0], coordinates[1]),
-        converged=converged,
-        message=(message + problem.caution(coordinates)).strip(),
-        iterations=max(len(report.history) - 1, 0),
-        energy=energy,
-        history=tuple(report.history),
-        interrupted=interrupted,
-    )

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..functionals.definition import Functional
-from ..grids import Grid, corner_jacobians, quality
+from ..grids import Grid, certificates, corner_jacobians, quality
 from ..runtime import Array
 from .lift import lift
 from .nested import Nested, worth_nesting
-from .problem import Problem, norm_of, proofs_text, result_of
+from .problem import Problem, norm_of
 from .progress import Progress
 from .result import Result
 from .untangle import Folds, unfold
@@ -105,15 +105,33 @@ class Run:
         told = "this is the start."
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
-        proofs = proofs_text(grid) or "No proof was found that there is no valid grid."
+        proofs = _proofs_text(grid) or "No proof was found that there is no valid grid."
         return f"{told} {quality(grid).describe_folds()}\n{proofs}"
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:
-        """Return what the run has found."""
-        return result_of(
-            self.problem, self.coordinates, self.report, converged, self.said + message, interrupted=interrupted
+        """Return what the run has found, with what must be said of folded cells and of the weight."""
+        energy, smallest = self.problem.energy(self.coordinates)
+        grid = Grid.from_planes(*self.coordinates)
+        message = self.said + message
+        if not smallest > 0 and "folded (J" not in message:
+            folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
+            message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(grid)}"
+        return Result(
+            grid=grid,
+            converged=converged,
+            message=(message + self.problem.caution(self.coordinates)).strip(),
+            iterations=max(len(self.report.history) - 1, 0),
+            energy=energy,
+            history=tuple(self.report.history),
+            interrupted=interrupted,
         )
 
 
 #: What is said of a result whose start was folded.
 UNTANGLED = "The grid was folded at the start and was untangled first: "
+
+
+def _proofs_text(grid: Grid) -> str:
+    """Return the proofs that no valid grid has this boundary, as a sentence; nothing where there are none."""
+    proofs = [str(proof) for proof in certificates(grid)]
+    return f"With this boundary {'; '.join(proofs)}." if proofs else ""
