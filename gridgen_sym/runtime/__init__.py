@@ -1,13 +1,15 @@
 """Generated kernels, compiled or in NumPy, as one object that solvers hold."""
 
+from .backend import choose_backend as choose_backend
+from .backend import thread_count as thread_count
+from .backend import threads_for as threads_for
 from .cache import cache_folder as cache_folder
 from .compiler import compile_library as compile_library
 from .compiler import find_compiler as find_compiler
 from .compiler import open_library as open_library
-from .kernels import HESSIAN_PLANES as HESSIAN_PLANES
-from .kernels import Array as Array
-from .kernels import KernelSet as KernelSet
-from .kernels import Mask as Mask
-from .kernels import choose_backend as choose_backend
+from .kernel_set import HESSIAN_PLANES as HESSIAN_PLANES
+from .kernel_set import JACOBIAN_PLANES as JACOBIAN_PLANES
+from .kernel_set import Array as Array
+from .kernel_set import KernelSet as KernelSet
+from .kernel_set import Mask as Mask
 from .kernels import kernels as kernels
-from .kernels import thread_count as thread_count

@@ -44,23 +44,10 @@ def sweep_until_converged(
             return True, converged_message("gradient", norm, first, iteration)
         if iteration == max_iterations:
             break
-        step = max(
-            problem.kernels.sweep(
-                coordinates,
-                problem.weights(coordinates),
-                problem.fixed,
-                color,
-                floor=floor,
-                reach=reach,
-                interior_only=problem.interior_only,
-            )
-            for color in range(COLORS)
-        )
+        step = _sweep(problem, coordinates, floor, reach)
         if step >= reach:
-            return (
-                False,
-                "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid.",
-            )
+            why = "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid."
+            return False, why
         problem.refresh(coordinates)
         energy, smallest, gradient = problem.energy_gradient(coordinates, out=gradient)
         norm = norm_of(gradient)
@@ -74,4 +61,20 @@ def sweep_until_converged(
         f"{max_iterations} sweeps have brought the gradient's norm to {norm:.2e}, {norm / first:.1e} of its first "
         f"value, not to {tolerance:.1e}: allow more with max_iterations, or use method='newton'"
         f"{'; if cells that would fold hold it back, keep_valid=False lets them' if keep_valid else ''}."
+    )
+
+
+def _sweep(problem: Problem, coordinates: Array, floor: float, reach: float) -> float:
+    """Visit every free node once, color by color; return the largest component of a step."""
+    return max(
+        problem.kernels.sweep(
+            coordinates,
+            problem.weights(coordinates),
+            problem.fixed,
+            color,
+            floor=floor,
+            reach=reach,
+            interior_only=problem.interior_only,
+        )
+        for color in range(COLORS)
     )

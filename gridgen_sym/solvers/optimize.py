@@ -20,8 +20,8 @@ from .run import Run
 from .stopping import run_to_result
 from .weight import Source, Weight
 
-#: Iterations that a method is given where the caller does not say.
-_NEWTON_STEPS, _SWEEPS = 1000, 5000
+#: Newton steps, or sweeps, where the caller does not say.
+_LIMITS = {"newton": 1000, "local": 5000}
 
 
 def optimize(
@@ -57,7 +57,7 @@ def optimize(
         parameters: of the functional.
         tolerance: factor by which the gradient's norm must fall.
         max_iterations: sweeps, or Newton steps, on the grid itself; steps of untangling and on coarser grids are
-            not counted. With 0 there are none of either.
+            not counted. With 0 a start that needs no untangling comes back as it is.
         keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals
             never do.
         interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners.
@@ -89,31 +89,31 @@ def optimize(
             backend=backend,
         )
 
+    limit = _LIMITS[method] if max_iterations is None else max_iterations
     with Progress(f"{definition.name}, {method}", callback, progress, time_limit) as report:
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
 
         def solve() -> tuple[bool, str]:
-            if (method == "newton" and max_iterations != 0) or run.to_untangle:
+            if (method == "newton" and limit) or run.to_untangle:
                 run.start_from_coarse_grids()
             if not run.make_valid():
                 return False, run.could_not_unfold()
             report.begin("minimize", grid.shape)
             if method == "local":
-                limit = _SWEEPS if max_iterations is None else max_iterations
                 return sweep_until_converged(
                     run.problem,
                     run.coordinates,
                     report,
-                    max_iterations=limit,
                     tolerance=tolerance,
+                    max_iterations=limit,
                     keep_valid=keep_valid,
                 )
             return minimize(
                 run.problem,
                 run.coordinates,
                 report,
-                max_iterations=_NEWTON_STEPS if max_iterations is None else max_iterations,
                 tolerance=tolerance,
+                max_iterations=limit,
                 keep_valid=keep_valid,
                 reference=run.reference,
             )

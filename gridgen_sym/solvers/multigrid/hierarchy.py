@@ -9,13 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...runtime import Array, Mask, thread_count
-from ...runtime.kernels import HESSIAN_PLANES, JACOBIAN_PLANES
+from ...runtime import HESSIAN_PLANES, JACOBIAN_PLANES, Array, Mask, threads_for
 from .library import Level, Stencil, load_library
 
 #: A direction with this many nodes is not halved further.
 _COARSEST = 4
-_NODES_PER_THREAD = 8192
 #: A direction whose couplings are weaker than this part of the other's is not halved.
 _WEAK = 0.25
 #: Rows that are looked at together, or for all.
@@ -70,8 +68,8 @@ class LevelArrays:
     def level(self) -> Level:
         """Return it as the compiled code sees it."""
         arrays = self.operator, self.pivots_i, self.pivots_j, self.right, self.solution, self.work, self.fixed
-        threads = max(1, min(thread_count(), self.fixed.size // _NODES_PER_THREAD))
-        return Level(*self.fixed.shape, self.operator.shape[2], threads, *(array.ctypes.data for array in arrays))
+        threads, pointers = threads_for(self.fixed.size), (array.ctypes.data for array in arrays)
+        return Level(*self.fixed.shape, self.operator.shape[2], threads, *pointers)
 
 
 class Hierarchy:

@@ -1,0 +1,232 @@
+"""The one object that solvers hold: the kernels of one functional, on one backend."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import GridgenError
+from .backend import threads_for
+from .load import Block
+
+if TYPE_CHECKING:
+    from ..symbolic.coordinates import Variant
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.uint8]
+
+#: Number of planes of the stored half of the Hessian, and of the Jacobian of the Euler-Lagrange residual.
+HESSIAN_PLANES, JACOBIAN_PLANES = 19, 36
+_TYPES = (np.dtype(np.float64), np.dtype(np.uint8))
+
+
+@dataclass(frozen=True, slots=True)
+class KernelSet:
+    """The kernels of one functional in one variant, with parameter values, on one backend.
+
+    Coordinates are arrays (2, ni, nj), C-contiguous: the planes x and y. `weight` is None, or an array
+    (len(weight_planes), ni, nj).
+
+    Attributes:
+        functional: its name.
+        variant: how the weight enters, or `regularized`.
+        backend: `c` or `numpy`.
+        barrier: whether the energy is infinite where J = 0.
+        equation_type: type of the Euler-Lagrange equations where J > 0, `elliptic` or what they are instead.
+        polyconvex: whether the semidefinite Hessian is so by derivation, not by clamped eigenvalues.
+        weight_planes: names of the planes that `weight` must have.
+        operations: number of arithmetic operations of each program.
+    """
+
+    functional: str
+    variant: Variant
+    backend: str
+    barrier: bool
+    equation_type: str
+    polyconvex: bool
+    weight_planes: tuple[str, ...]
+    operations: Mapping[str, int]
+    _parameters: Array
+    _functions: Mapping[str, Callable[..., None]]
+
+    def energy(
+        self, coordinates: Array, weight: Array | None = None, *, interior_only: bool = False
+    ) -> tuple[float, float]:
+        """Return the energy, summed over corners, and the smallest Jacobian of any corner, counted or not."""
+        rows = np.empty((2, coordinates.shape[1] - 1))
+        self._call("energy", coordinates, weight, rows[0], rows[1], interior_only=interior_only)
+        return float(rows[0].sum()), float(rows[1].min())
+
+    def energy_gradient(
+        self,
+        coordinates: Array,
+        weight: Array | None = None,
+        *,
+        interior_only: bool = False,
+        out: Array | None = None,
+    ) -> tuple[float, float, Array]:
+        """Return the energy, the smallest Jacobian, and the gradient (2, ni, nj) in all nodes (written to `out`)."""
+        rows, gradient = np.empty((2, coordinates.shape[1] - 1)), _result(2, coordinates, out)
+        self._call("energy_gradient", coordinates, weight, rows[0], rows[1], gradient, interior_only=interior_only)
+        return float(rows[0].sum()), float(rows[1].min()), gradient
+
+    def hessian(
+        self,
+        coordinates: Array,
+        weight: Array | None = None,
+        *,
+        semidefinite: bool = False,
+        interior_only: bool = False,
+        out: Array | None = None,
+    ) -> Array:
+        """Return the stored half of the block Hessian, (19, ni, nj).
+
+        The block of node (i, j) with itself (xx, xy, yy), then with (i+1, j), (i, j+1), (i+1, j+1), (i+1, j-1)
+        (xx, xy, yx, yy each). With `out`, it is written there.
+        """
+        planes = _result(HESSIAN_PLANES, coordinates, out)
+        name = "semidefinite_hessian" if semidefinite else "hessian"
+        self._call(name, coordinates, weight, planes, interior_only=interior_only)
+        return planes
+
+    def hessian_vector(
+        self,
+        coordinates: Array,
+        vector: Array,
+        weight: Array | None = None,
+        *,
+        semidefinite: bool = False,
+        interior_only: bool = False,
+        out: Array | None = None,
+    ) -> Array:
+        """Return the Hessian times a vector (2, ni, nj), without storing the Hessian; with `out`, it is written there.
+
+        Raises:
+            GridgenError: for the semidefinite Hessian of a functional that is not polyconvex: its eigenvalues are
+                clamped, which has no short cut.
+        """
+        if vector.shape != coordinates.shape:
+            raise GridgenError(f"the vector must have the shape {coordinates.shape}; came {vector.shape}")
+        if semidefinite and not self.polyconvex:
+            raise GridgenError(
+                f"{self.functional} is not polyconvex: its semidefinite Hessian must be stored, with "
+                "hessian(semidefinite=True), to be multiplied by a vector"
+            )
+        product = _result(2, coordinates, out)
+        name = "semidefinite_hessian_vector" if semidefinite else "hessian_vector"
+        self._call(name, coordinates, weight, vector, product, interior_only=interior_only)
+        return product
+
+    def sweep(
+        self,
+        coordinates: Array,
+        weight: Array | None,
+        fixed: Mask,
+        color: int,
+        *,
+        floor: float,
+        reach: float = np.inf,
+        interior_only: bool = False,
+    ) -> float:
+        """Move every free node of a color (i % 2 + 2 (j % 2)) by one damped Newton step on its local energy.
+
+        No step takes the Jacobian of a corner from above `floor` to below it; a negative floor lets cells fold.
+
+        Returns:
+            The largest component of a step; a node whose step would be `reach` or more stays, but is counted.
+        """
+        steps = np.zeros(coordinates.shape[1])
+        self._call("sweep", coordinates, weight, fixed, color, floor, reach, steps, interior_only=interior_only)
+        return float(steps.max())
+
+    def euler_lagrange_residual(
+        self,
+        coordinates: Array,
+        weight: Array | None = None,
+        spacing: tuple[float, float] = (1.0, 1.0),
+        *,
+        out: Array | None = None,
+    ) -> Array:
+        """Return the residual (2, ni, nj) of the equations, by central differences; zero at the boundary nodes.
+
+        With `out`, it is written there.
+        """
+        residual = _zero_at_boundary(_result(2, coordinates, out))
+        self._call("euler_lagrange_residual", coordinates, weight, residual, spacing=spacing)
+        return residual
+
+    def euler_lagrange_jacobian(
+        self,
+        coordinates: Array,
+        weight: Array | None = None,
+        spacing: tuple[float, float] = (1.0, 1.0),
+        *,
+        frozen: bool = False,
+        out: Array | None = None,
+    ) -> Array:
+        """Return the derivatives (36, ni, nj) of the residual in the nodes of its stencil; zero at the boundary nodes.
+
+        Nine blocks in the order (i-1, j-1), (i-1, j), ..., (i+1, j+1), each xx, xy, yx, yy (equation, then
+        coordinate). With `frozen`, the coefficients of the second derivatives are held. With `out`, it is
+        written there.
+        """
+        jacobian = _zero_at_boundary(_result(JACOBIAN_PLANES, coordinates, out))
+        name = "euler_lagrange_frozen_jacobian" if frozen else "euler_lagrange_jacobian"
+        self._call(name, coordinates, weight, jacobian, spacing=spacing)
+        return jacobian
+
+    def euler_lagrange_relaxation(
+        self,
+        coordinates: Array,
+        weight: Array | None,
+        fixed: Mask,
+        color: int,
+        relaxation: float,
+        spacing: tuple[float, float] = (1.0, 1.0),
+    ) -> None:
+        """Relax the equations at every free node of a color, with frozen coefficients, in place."""
+        self._call("euler_lagrange_relaxation", coordinates, weight, fixed, color, relaxation, spacing=spacing)
+
+    def _call(
+        self,
+        name: str,
+        coordinates: Array,
+        weight: Array | None,
+        *arguments: Any,  # noqa: ANN401
+        interior_only: bool = False,
+        spacing: tuple[float, float] = (1.0, 1.0),
+    ) -> None:
+        _, ni, nj = coordinates.shape
+        shape = (len(self.weight_planes), ni, nj)
+        weight = np.empty(0) if weight is None else weight
+        if self.weight_planes and weight.shape != shape:
+            raise GridgenError(f"the weight of {self.functional} must have the shape {shape}; came {weight.shape}")
+        for array in (coordinates, weight, *arguments):
+            # Compiled code reads memory as it is told: another type or order would be nonsense without a word.
+            if isinstance(array, np.ndarray) and not (array.flags.c_contiguous and array.dtype in _TYPES):
+                raise GridgenError(
+                    f"kernel {name} needs C-contiguous arrays of float64 (masks: uint8); came {array.dtype}, shape "
+                    f"{array.shape}, strides {array.strides}: use np.ascontiguousarray(array, dtype=...)"
+                )
+        if name not in self._functions:
+            raise GridgenError(f"the variant {self.variant!r} of {self.functional!r} has no kernel {name}: use 'plain'")
+        block = Block(ni, nj, 0, ni, nj, ni * nj, int(interior_only), threads_for(ni * nj), *spacing)
+        self._functions[name](block, coordinates, weight, self._parameters, *arguments)
+
+
+def _result(count: int, coordinates: Array, out: Array | None) -> Array:
+    """Return where a kernel writes (count, ni, nj) planes: `out` if it is given and has that shape, else new memory."""
+    shape = (count, *coordinates.shape[1:])
+    if out is not None and out.shape != shape:
+        raise GridgenError(f"out must have the shape {shape}; came {out.shape}")
+    return np.empty(shape) if out is None else out
+
+
+def _zero_at_boundary(planes: Array) -> Array:
+    """Set the boundary nodes of planes (n, ni, nj) to zero; the kernels write the others only."""
+    planes[:, 0], planes[:, -1], planes[:, :, 0], planes[:, :, -1] = 0.0, 0.0, 0.0, 0.0
+    return planes
