@@ -12,7 +12,7 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional
 from .backend import choose_backend
 from .kernel_set import KernelSet
-from .load import Backend, load_module
+from .load import load_module
 from .sources import find_sources
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def kernels(
     extra = [given.pop("epsilon")] if variant == "regularized" else []
     values = np.array([*functional.values(given).values(), *extra], dtype=float)
     chosen = choose_backend(backend)
-    module, functions = _load(functional, variant, chosen)
+    module, functions = _load(functional, variant, chosen.name)
     return KernelSet(
         functional=functional.name,
         variant=variant,
@@ -63,9 +63,9 @@ def kernels(
 
 @lru_cache(maxsize=128)
 def _load(
-    functional: Functional, variant: Variant, backend: Backend
+    functional: Functional, variant: Variant, backend: str
 ) -> tuple[dict[str, Any], dict[str, Callable[..., None]]]:
     c_path, numpy_path = find_sources(functional, variant)
     module = load_module(numpy_path, numpy_path.read_text(encoding="utf-8"))
     name = functional.name if variant == "plain" else f"{functional.name}_{variant}"
-    return module, backend.load(name, lambda: c_path.read_text(encoding="utf-8"), module)
+    return module, choose_backend(backend).load(name, lambda: c_path.read_text(encoding="utf-8"), module)
