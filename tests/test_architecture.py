@@ -20,7 +20,7 @@ PIPELINE = ("functionals", "symbolic", "codegen", "runtime", "solvers", "adaptat
 GROUND = "grids"
 MOVES_NODES = {"solvers", "adaptation"}
 #: What stands on top of everything, and is imported by nothing of it.
-TOP = {"cli", "documentation", "paper_examples"}
+TOP = {"cli", "documentation", "paper_examples", "selfcheck"}
 EVERY_PACKAGE = {*PIPELINE, GROUND, *TOP}
 #: Modules beside the packages that any package may use, and that use no package themselves.
 SHARED = {"errors", "messages", "resources", "atomic", "__version__"}

@@ -307,14 +307,14 @@ def test_a_missing_file_of_functionals_is_named():
 
 def test_checks_can_fail(monkeypatch):
     """Give `check` the kernels of another functional: what depends on them fails, and the command exits with 1."""
-    import gridgen_sym.selfcheck as module
+    from gridgen_sym.selfcheck import digits, limit
 
-    right = module.kernels
-    monkeypatch.setattr(module, "kernels", lambda _, **options: right(gg.functional("area"), **options))
+    right = limit.kernels
+    monkeypatch.setattr(limit, "kernels", lambda _, **options: right(gg.functional("area"), **options))
     said = run("check", "length", code=1)
     assert said.count("FAILED") == 1
     assert "FAILED  discrete gradient" in said
-    monkeypatch.setattr(module, "_density", lambda _, found=module._density: found(gg.functional("area")))
+    monkeypatch.setattr(digits, "_density", lambda _, found=digits._density: found(gg.functional("area")))
     assert run("check", "length", code=1).count("FAILED") == 4
 
 
