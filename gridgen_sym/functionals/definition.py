@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import inspect
-import keyword
 import operator
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from numbers import Real
-from typing import Any, SupportsIndex
+from typing import Any
 
 from ..errors import GridgenError
 from . import expression
-from .metric import DENSITY_NAMES, RESERVED_NAMES, symbol, symbolic_metric, sympy_functions
+from .arguments import check_arguments, check_parameter_names, given_parameters, parameters_of
+from .metric import DENSITY_NAMES, symbol, symbolic_metric, sympy_functions
 
 Density = Callable[..., Any]
-
-_NAME = re.compile(r"[a-z][a-z0-9_]*")
-_PARAMETER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_LONGEST_NAME = 64  # Names of files and of C functions are made of it.
-_LARGEST_FACTOR = 1000
 
 
 # Compared and hashed by identity: what was derived from one functional is remembered for that one.
@@ -167,7 +159,7 @@ def builtin(
             name=density.__name__,
             density=density,
             corner_factor=corner_factor,
-            parameters=_parameters_of(density),
+            parameters=parameters_of(density),
             constraints=constraints,
             description=(density.__doc__ or "").strip(),
             reference=reference,
@@ -206,21 +198,22 @@ def define(
         GridgenError: for a bad name, a density with unknown symbols, `^`, or values that are not
             real and finite on a valid grid, or constraints that the defaults do not meet.
     """
-    _check_arguments(name, density, constraints, corner_factor, description)
+    check_arguments(name, density, constraints, corner_factor, description)
     if name in _builtin or (name in _registry and not replace):
         hint = "choose another name" if name in _builtin else "choose another name, or pass replace=True"
         raise GridgenError(f"a functional named {name!r} exists: {hint}")
     if isinstance(density, str):
-        parameters = _given_parameters(name, parameters)
+        parameters = given_parameters(name, parameters)
     else:
         if parameters:
             raise GridgenError(
                 "a density function takes its parameters as arguments with default values: drop parameters="
             )
-        parameters = _parameters_of(density)
+        parameters = parameters_of(density)
         description = description or (density.__doc__ or "").strip().split("\n")[0]
     new = Functional(name, density, operator.index(corner_factor), parameters, tuple(constraints), description)
-    _check_parameters(new)
+    check_parameter_names(name, parameters)
+    new.values(parameters)
     from .check import check_density
 
     try:
@@ -234,92 +227,3 @@ def define(
         ) from error
     _registry[name] = new
     return new
-
-
-def _check_arguments(name: object, density: object, constraints: object, factor: object, description: object) -> None:
-    """Refuse arguments of `define` that are not of their kind."""
-    if not isinstance(name, str) or not _NAME.fullmatch(name) or keyword.iskeyword(name):
-        raise GridgenError(
-            f"{name!r} cannot name a functional: use lower-case letters, digits and _, as in 'my_winslow'"
-        )
-    if len(name) > _LONGEST_NAME:
-        raise GridgenError(
-            f"the name {name[:20] + '...'!r} of a functional has {len(name)} letters: use at most {_LONGEST_NAME}"
-        )
-    if not (isinstance(density, str) or callable(density)):
-        raise GridgenError(
-            f"the density of functional {name!r} must be a function of the metric m, or text such as "
-            f"'(g11 + g22)/J'; came {density!r}"
-        )
-    if not (isinstance(constraints, (tuple, list)) and all(isinstance(one, str) for one in constraints)):
-        raise GridgenError(
-            f"constraints of functional {name!r} must be a tuple of comparisons, such as ('k >= 0',); "
-            f"came {constraints!r}"
-        )
-    whole = isinstance(factor, SupportsIndex) and not isinstance(factor, bool)
-    if not (whole and 1 <= operator.index(factor) <= _LARGEST_FACTOR):  # type: ignore[arg-type]
-        raise GridgenError(
-            f"corner_factor of functional {name!r} must be a whole number from 1 to {_LARGEST_FACTOR}; "
-            f"came {factor!r}; put other factors into the density"
-        )
-    if not isinstance(description, str):
-        raise GridgenError(f"description of functional {name!r} must be text; came {description!r}")
-
-
-def _given_parameters(name: str, parameters: object) -> dict[str, float]:
-    """Return the parameters of a density given as text, as floats."""
-    if parameters is None:
-        return {}
-    if not isinstance(parameters, Mapping):
-        raise GridgenError(
-            f"parameters of functional {name!r} must map names to numbers, such as {{'k': 1.0}}; came {parameters!r}"
-        )
-    for key, value in parameters.items():
-        if not isinstance(value, Real):
-            raise GridgenError(f"parameter {key!r} of functional {name!r} is {value!r}: give a finite number")
-    return {key: _float(value) for key, value in parameters.items()}
-
-
-def _parameters_of(density: Density) -> dict[str, float]:
-    """Return the parameters of a density function: its arguments after the metric, with their defaults."""
-    name = getattr(density, "__name__", "density")
-    try:
-        arguments = list(inspect.signature(density).parameters.values())
-    except (TypeError, ValueError) as error:
-        raise GridgenError(
-            f"the arguments of the density function {name!r} cannot be told ({error}): write one with def or lambda, "
-            "such as lambda m: m.J**2"
-        ) from None
-    if not arguments:
-        raise GridgenError(f"the density function {name!r} takes no argument: its first one must be the metric m")
-    for argument in arguments[1:]:
-        if not isinstance(argument.default, Real):
-            raise GridgenError(
-                f"parameter {argument.name!r} of the density function {name!r} needs a number as its default value"
-            )
-    return {argument.name: _float(argument.default) for argument in arguments[1:]}
-
-
-def _float(value: Real) -> float:
-    """Return the number as a float; one too large for that is infinite, and refused with its name later."""
-    try:
-        return float(value)
-    except OverflowError:
-        return float("inf")
-
-
-def _check_parameters(new: Functional) -> None:
-    """Refuse parameter names that are taken or unusable, and defaults that break the constraints."""
-    for name in new.parameters:
-        if not isinstance(name, str) or not _PARAMETER.fullmatch(name) or keyword.iskeyword(name):
-            raise GridgenError(
-                f"parameter {name!r} of functional {new.name!r} is not a usable name: use letters, digits and _"
-            )
-        if len(name) > _LONGEST_NAME:
-            raise GridgenError(
-                f"parameter {name[:20] + '...'!r} of functional {new.name!r} has {len(name)} letters: use at most "
-                f"{_LONGEST_NAME}"
-            )
-        if name in RESERVED_NAMES:
-            raise GridgenError(f"parameter {name!r} of functional {new.name!r}: that name means something else already")
-    new.values(new.parameters)

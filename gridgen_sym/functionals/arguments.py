@@ -1,0 +1,109 @@
+"""What `define` accepts: names, parameters and their defaults; anything else is refused with the way to mend it."""
+
+from __future__ import annotations
+
+import inspect
+import keyword
+import operator
+import re
+from collections.abc import Callable, Mapping
+from numbers import Real
+from typing import Any, SupportsIndex
+
+from ..errors import GridgenError
+from .metric import RESERVED_NAMES
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+_PARAMETER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_LONGEST_NAME = 64  # Names of files and of C functions are made of it.
+_LARGEST_FACTOR = 1000
+
+
+def check_arguments(name: object, density: object, constraints: object, factor: object, description: object) -> None:
+    """Refuse arguments of `define` that are not of their kind."""
+    if not isinstance(name, str) or not _NAME.fullmatch(name) or keyword.iskeyword(name):
+        raise GridgenError(
+            f"{name!r} cannot name a functional: use lower-case letters, digits and _, as in 'my_winslow'"
+        )
+    if len(name) > _LONGEST_NAME:
+        raise GridgenError(
+            f"the name {name[:20] + '...'!r} of a functional has {len(name)} letters: use at most {_LONGEST_NAME}"
+        )
+    if not (isinstance(density, str) or callable(density)):
+        raise GridgenError(
+            f"the density of functional {name!r} must be a function of the metric m, or text such as "
+            f"'(g11 + g22)/J'; came {density!r}"
+        )
+    if not (isinstance(constraints, (tuple, list)) and all(isinstance(one, str) for one in constraints)):
+        raise GridgenError(
+            f"constraints of functional {name!r} must be a tuple of comparisons, such as ('k >= 0',); "
+            f"came {constraints!r}"
+        )
+    whole = isinstance(factor, SupportsIndex) and not isinstance(factor, bool)
+    if not (whole and 1 <= operator.index(factor) <= _LARGEST_FACTOR):  # type: ignore[arg-type]
+        raise GridgenError(
+            f"corner_factor of functional {name!r} must be a whole number from 1 to {_LARGEST_FACTOR}; "
+            f"came {factor!r}; put other factors into the density"
+        )
+    if not isinstance(description, str):
+        raise GridgenError(f"description of functional {name!r} must be text; came {description!r}")
+
+
+def given_parameters(name: str, parameters: object) -> dict[str, float]:
+    """Return the parameters of a density given as text, as floats."""
+    if parameters is None:
+        return {}
+    if not isinstance(parameters, Mapping):
+        raise GridgenError(
+            f"parameters of functional {name!r} must map names to numbers, such as {{'k': 1.0}}; came {parameters!r}"
+        )
+    for key, value in parameters.items():
+        if not isinstance(value, Real):
+            raise GridgenError(f"parameter {key!r} of functional {name!r} is {value!r}: give a finite number")
+    return {key: _float(value) for key, value in parameters.items()}
+
+
+def parameters_of(density: Callable[..., Any]) -> dict[str, float]:
+    """Return the parameters of a density function: its arguments after the metric, with their defaults."""
+    name = getattr(density, "__name__", "density")
+    try:
+        arguments = list(inspect.signature(density).parameters.values())
+    except (TypeError, ValueError) as error:
+        raise GridgenError(
+            f"the arguments of the density function {name!r} cannot be told ({error}): write one with def or lambda, "
+            "such as lambda m: m.J**2"
+        ) from None
+    if not arguments:
+        raise GridgenError(f"the density function {name!r} takes no argument: its first one must be the metric m")
+    for argument in arguments[1:]:
+        if not isinstance(argument.default, Real):
+            raise GridgenError(
+                f"parameter {argument.name!r} of the density function {name!r} needs a number as its default value"
+            )
+    return {argument.name: _float(argument.default) for argument in arguments[1:]}
+
+
+def _float(value: Real) -> float:
+    """Return the number as a float; one too large for that is infinite, and refused with its name later."""
+    try:
+        return float(value)
+    except OverflowError:
+        return float("inf")
+
+
+def check_parameter_names(functional: str, parameters: Mapping[str, float]) -> None:
+    """Refuse names of parameters that are taken or unusable."""
+    for name in parameters:
+        if not isinstance(name, str) or not _PARAMETER.fullmatch(name) or keyword.iskeyword(name):
+            raise GridgenError(
+                f"parameter {name!r} of functional {functional!r} is not a usable name: use letters, digits and _"
+            )
+        if len(name) > _LONGEST_NAME:
+            raise GridgenError(
+                f"parameter {name[:20] + '...'!r} of functional {functional!r} has {len(name)} letters: use at most "
+                f"{_LONGEST_NAME}"
+            )
+        if name in RESERVED_NAMES:
+            raise GridgenError(
+                f"parameter {name!r} of functional {functional!r}: that name means something else already"
+            )
