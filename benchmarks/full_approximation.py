@@ -138,8 +138,9 @@ class FullApproximation:
         """Return the start that grids with fewer nodes of the same boundary give."""
         solved = gg.optimize(start_grid(name, _FIRST), "winslow", progress=False).grid.planes
         while True:
-            boundary = np.ascontiguousarray(start_grid(name, 2 * solved.shape[1] - 1).planes)
-            solved = valid(gg.Grid.from_planes(*finer_start(np.ascontiguousarray(solved), boundary, "c")))
+            finer = start_grid(name, 2 * solved.shape[1] - 1)
+            problem, boundary = make_problem(finer, "winslow"), np.ascontiguousarray(finer.planes)
+            solved = valid(gg.Grid.from_planes(*finer_start(problem, np.ascontiguousarray(solved), boundary)))
             if solved.shape[1] >= size:
                 return solved
             # As well as the default solves its coarse grids.

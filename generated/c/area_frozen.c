@@ -1474,13 +1474,16 @@ static void sweep_rows(const Block *block, int64_t first, int64_t last, int64_t 
                        double *row_step) {
   for (int64_t i = larger(first, 1); i < smaller(last, block->ni - 1); ++i) {
     if (i % 2 != color % 2) continue;
-    for (int64_t j = 1 + ((color >> 1) + 1) % 2; j < block->nj - 1; j += 2 * GROUP) {
-      Nodes nodes;
+    Nodes nodes;
+    for (int64_t j = 1 + ((color >> 1) + 1) % 2; j < block->nj - 1; j += 2 * nodes.count) {
       double to_x[GROUP], to_y[GROUP];
-      int64_t waiting[GROUP], some = 0;
+      int64_t waiting[GROUP];
+      /* A group begins and ends with a node that moves: where only few do, groups are short. */
+      while (j < block->nj - 1 && fixed[i * block->nj + j]) j += 2;
+      if (j >= block->nj - 1) break;
       nodes.i = i, nodes.j = j, nodes.count = smaller(GROUP, (block->nj - j) / 2);
-      for (int64_t k = 0; k < nodes.count; ++k) some += waiting[k] = !fixed[i * block->nj + j + 2 * k];
-      if (!some) continue;
+      for (int64_t k = 0; k < nodes.count; ++k) waiting[k] = !fixed[i * block->nj + j + 2 * k];
+      while (!waiting[nodes.count - 1]) --nodes.count;
       read_nodes(block, x, y, w, &nodes);
       row_step[i] = fmax(row_step[i], sweep_group(block, &nodes, parameters, floor, reach, waiting, to_x, to_y));
       for (int64_t k = 0; k < nodes.count; ++k) {

@@ -61,6 +61,13 @@ class KernelSet:
         self._call("energy", coordinates, weight, rows[0], rows[1], interior_only=interior_only)
         return float(rows[0].sum()), float(rows[1].min())
 
+    def smallest_jacobians(self, coordinates: Array) -> Array:
+        """Return the smallest Jacobian of the corners of each row of cells, (ni - 1,); the weight has no part in it."""
+        energies, smallest = np.empty(coordinates.shape[1] - 1), np.empty(coordinates.shape[1] - 1)
+        weight = np.zeros((len(self.weight_planes), *coordinates.shape[1:]))
+        self._call("energy", coordinates, weight, energies, smallest)
+        return smallest
+
     def energy_gradient(
         self,
         coordinates: Array,

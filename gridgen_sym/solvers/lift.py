@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from ..grids import corner_jacobians
 from ..runtime import Array, Mask
+from .folds import Folds
 from .progress import Progress
-from .untangle import Folds
 
 #: Nodes up to so many cells from a fold are moved, at first and then; of a fold with more of them, none is.
 _LAYERS, _MOST_NODES = (3, 9), 400

@@ -8,11 +8,40 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..runtime import Array
+from ..runtime import Array, Mask
 from .problem import Problem, converged_message, jacobian_floor, norm_of
 from .progress import Progress
 
 COLORS = 4
+
+
+def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, reach: float) -> float:
+    """Visit every node that is not in `fixed` once, in place; then the weight is evaluated anew.
+
+    Args:
+        problem: what is minimised.
+        coordinates: (2, ni, nj).
+        fixed: (ni, nj), non-zero at nodes that stay; all of `problem.fixed` and any others.
+        floor: no step takes the Jacobian of a corner from above it to below it; a negative one lets cells fold.
+        reach: a step of this length is not taken.
+
+    Returns:
+        The largest component of a step, taken or not.
+    """
+    step = max(
+        problem.kernels.sweep(
+            coordinates,
+            problem.weights(coordinates),
+            fixed,
+            color,
+            floor=floor,
+            reach=reach,
+            interior_only=problem.interior_only,
+        )
+        for color in range(COLORS)
+    )
+    problem.refresh(coordinates)
+    return step
 
 
 def sweep_until_converged(
@@ -44,11 +73,10 @@ def sweep_until_converged(
             return True, converged_message("gradient", norm, first, iteration)
         if iteration == max_iterations:
             break
-        step = _sweep(problem, coordinates, floor, reach)
+        step = sweep(problem, coordinates, problem.fixed, floor=floor, reach=reach)
         if step >= reach:
             why = "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid."
             return False, why
-        problem.refresh(coordinates)
         energy, smallest, gradient = problem.energy_gradient(coordinates, out=gradient)
         norm = norm_of(gradient)
         progress.step(iteration + 1, energy, norm, smallest)
@@ -61,20 +89,4 @@ def sweep_until_converged(
         f"{max_iterations} sweeps have brought the gradient's norm to {norm:.2e}, {norm / first:.1e} of its first "
         f"value, not to {tolerance:.1e}: allow more with max_iterations, or use method='newton'"
         f"{'; if cells that would fold hold it back, keep_valid=False lets them' if keep_valid else ''}."
-    )
-
-
-def _sweep(problem: Problem, coordinates: Array, floor: float, reach: float) -> float:
-    """Visit every free node once, color by color; return the largest component of a step."""
-    return max(
-        problem.kernels.sweep(
-            coordinates,
-            problem.weights(coordinates),
-            problem.fixed,
-            color,
-            floor=floor,
-            reach=reach,
-            interior_only=problem.interior_only,
-        )
-        for color in range(COLORS)
     )

@@ -19,7 +19,7 @@ from .untangle import unfold
 #: A direction with this many cells is not halved further.
 _FEWEST_CELLS = 8
 #: How well a coarse problem is solved: its solution is only a start for the next.
-_TOLERANCE, _STEPS = 1e-4, 30
+_TOLERANCE, _STEPS = 1e-3, 30
 
 
 def worth_nesting(problem: Problem, coordinates: Array) -> bool:
@@ -48,7 +48,6 @@ class Nested:
         parameters: of the functional.
         report: is told of every step.
         solved: (2, ni, nj), the finest grid that is done.
-        backend: of its kernels.
     """
 
     make: Callable[[Grid], Problem]
@@ -56,24 +55,22 @@ class Nested:
     parameters: Mapping[str, float] | None
     report: Progress
     solved: Array | None = None
-    backend: str = ""
 
     def solve(self, coordinates: Array) -> None:
         """Solve on all grids coarser than `coordinates` (2, ni, nj), of which the boundary is used."""
         for shape in coarse_shapes(coordinates.shape[1:])[:-1]:
             start = coarse_start(coordinates, shape)
-            self.solved = self._solve(start if self.solved is None else self.finer(start))
+            problem = self.make(Grid.from_planes(*start))
+            self.solved = self._solve(problem, self.finer(problem, start))
 
-    def finer(self, coordinates: Array) -> Array:
+    def finer(self, problem: Problem, coordinates: Array) -> Array:
         """Return the start that the finest solved grid gives on a grid with the boundary of `coordinates`."""
-        if self.solved is None:
-            return coordinates
-        return finer_start(self.solved, coordinates, self.backend)
+        return coordinates if self.solved is None else finer_start(problem, self.solved, coordinates)
 
-    def _solve(self, start: Array) -> Array:
+    def _solve(self, problem: Problem, start: Array) -> Array:
         """Return the solution on one coarse grid, or the least folded grid where it has none with so few nodes."""
-        problem, shape = self.make(Grid.from_planes(*start)), (start.shape[1], start.shape[2])
-        self.backend = problem.kernels.backend
+        shape = (start.shape[1], start.shape[2])
+        problem.refresh(start)
         if problem.kernels.barrier and not problem.energy(start)[1] > 0:
             self.report.begin("untangle", shape)
             if not unfold(problem, self.functional, start, self.parameters, self.report):

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime import Array
+from .line_search import LineSearch
 from .linear import LinearSolver, Solution, hessian_solver
-from .problem import Problem, converged_message, diverges, inner, jacobian_floor, norm_of, step_control_message
+from .nonlinear_elimination import eliminate
+from .point import Point
+from .problem import Problem, converged_message, diverges, jacobian_floor, step_control_message
 from .progress import Progress
 
-#: Armijo's constant, and how often a step is halved.
-_SUFFICIENT, _HALVINGS = 1e-4, 40
 #: Steps in a row that are cut short by the guard and lower the energy by less than a little: it holds the grid back.
 _PATIENCE, _LITTLE = 5, 1e-6
 #: Shift of the semidefinite Hessian, over its mean diagonal, beyond which steps are too short to matter.
@@ -21,6 +22,11 @@ _LARGEST_SHIFT, _SMALLEST_SHIFT = 1e3, 1e-8
 _FIRST_SHIFT = 1e-4
 #: A whole step that leaves more than this part of the gradient's norm has led nowhere; so many of them in a row stall.
 _STALLED, _STALLS = 0.5, 2
+#: Nodes that stand out are seen to if the gradient's norm is more than this part of its scale, and more than this part
+#: of its last value: otherwise Newton's method needs no help.
+_STEEP, _POOR = 5e-3, 0.25
+#: Factor by which the gradient falls in a window, and Newton steps there.
+_WINDOW, _WINDOW_STEPS = 3e-1, 40
 #: Relative residuals of the linear solves, and that of the last one.
 _LOOSEST, _TIGHTEST, _LAST = 0.1, 1e-3, 1e-5
 
@@ -63,52 +69,56 @@ def minimize(
     Returns:
         Whether it converged, and why it stopped.
     """
-    guard = keep_valid or problem.kernels.barrier
-    energy, smallest, gradient = problem.energy_gradient(coordinates)
-    norm = norm_of(gradient)
-    first = min(reference or norm, problem.gradient_scale(coordinates, energy) or norm)
-    progress.step(0, energy, norm, smallest)
-    floor, round_off = jacobian_floor(smallest), problem.round_off(coordinates, gradient)
+    guard, barrier = keep_valid or problem.kernels.barrier, problem.kernels.barrier
+    point, before = Point(problem, coordinates), 0.0
+    scale = problem.gradient_scale(coordinates, point.energy)
+    first = min(reference or point.norm, scale or point.norm)
+    progress.step(0, point.energy, point.norm, point.smallest)
+    floor, round_off = jacobian_floor(point.smallest), problem.round_off(coordinates, point.gradient)
     state = _Newton(problem, solver or hessian_solver(problem.fixed, problem.kernels.backend), semidefinite)
     cut, held_back, extent, trial = 0, 0, float(np.ptp(coordinates)), np.empty_like(coordinates)
     for iteration in range(max_iterations + 1):
-        if until_valid and smallest > 0:
+        if until_valid and point.smallest > 0:
             return True, "the grid is valid."
-        if norm <= max(tolerance * first, round_off):
-            return True, converged_message("gradient", norm, first, iteration) + step_control_message(cut)
+        if point.norm <= max(tolerance * first, round_off):
+            return True, converged_message("gradient", point.norm, first, iteration) + step_control_message(cut)
         if iteration == max_iterations:
             break
+        if barrier and point.norm > max(_STEEP * scale, _POOR * before):
+            eliminate(point, _minimize_window)
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.
-        lowest = max(floor, 0.1 * smallest) if guard and smallest > 0 else -np.inf
-        search = _Search(problem, coordinates, energy, gradient, lowest, trial)
+        lowest = max(floor, 0.1 * point.smallest) if guard and point.smallest > 0 else -np.inf
+        search = LineSearch(point, lowest, trial)
         step = state.downhill(search)
         if step is None:
-            return False, _stuck("no step downhill was found", norm, first)
+            return False, _stuck("no step downhill was found", point.norm, first)
         if diverges(step, extent):
-            return False, _stuck("the steps diverge, which happens where the energy has no lower bound", norm, first)
+            why = "the steps diverge, which happens where the energy has no lower bound"
+            return False, _stuck(why, point.norm, first)
         coordinates += step
-        before = energy, norm
-        problem.refresh(coordinates)
-        energy, smallest, gradient = problem.energy_gradient(coordinates, out=gradient)
-        norm = norm_of(gradient)
-        progress.step(iteration + 1, energy, norm, smallest)
-        state.learn(search, norm / before[1], max(tolerance * first, round_off) / (norm or 1.0))
-        cut += search.folds and not problem.kernels.barrier  # A barrier's own line search is nothing to tell.
-        held_back = held_back + 1 if search.folds and before[0] - energy < _LITTLE * abs(energy) else 0
+        energy, before = point.energy, point.norm
+        point.evaluate()
+        progress.step(iteration + 1, point.energy, point.norm, point.smallest)
+        state.learn(search, point.norm / before, max(tolerance * first, round_off) / (point.norm or 1.0))
+        cut += search.folds and not barrier  # A barrier's own line search is nothing to tell.
+        held_back = held_back + 1 if search.folds and energy - point.energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
             why = "the minimum lies beyond the valid grids: every step downhill would fold a cell"
-            return False, _stuck(why, norm, first) + " This is the best valid grid; keep_valid=False lets cells fold."
+            return False, (
+                f"{_stuck(why, point.norm, first)} This is the best valid grid; keep_valid=False lets cells fold."
+            )
     why = f"{max_iterations} Newton steps were not enough; allow more with max_iterations"
-    return False, _stuck(why, norm, first) + step_control_message(cut)
+    return False, _stuck(why, point.norm, first) + step_control_message(cut)
+
+
+def _minimize_window(problem: Problem, coordinates: Array) -> None:
+    """Minimise over a part of the grid, well enough for the whole."""
+    unseen = Progress("window", show=False)
+    minimize(problem, coordinates, unseen, tolerance=_WINDOW, max_iterations=_WINDOW_STEPS, keep_valid=True)
 
 
 def _stuck(why: str, norm: float, first: float) -> str:
     return f"{why}. The gradient's norm is {norm:.2e}, {norm / (first or 1):.1e} of its first value."
-
-
-def _noise(energy: float) -> float:
-    """Return how much of an energy is rounding: smaller differences mean nothing."""
-    return 1e2 * float(np.finfo(float).eps) * abs(energy)
 
 
 @dataclass(slots=True)
@@ -143,7 +153,7 @@ class _Newton:
         """
         return self.only_semidefinite or self.problem.kernels.polyconvex
 
-    def downhill(self, search: _Search) -> Array | None:
+    def downhill(self, search: LineSearch) -> Array | None:
         """Return a step that lowers the energy, or None if no shift gives one."""
         semidefinite = self.only_semidefinite or self.cautious
         while self.shift < _LARGEST_SHIFT:
@@ -157,10 +167,10 @@ class _Newton:
             semidefinite = self.clamps
         return None
 
-    def _solve(self, search: _Search, semidefinite: bool) -> Solution | None:
+    def _solve(self, search: LineSearch, semidefinite: bool) -> Solution | None:
         """Return Newton's direction, or one of negative curvature; None if this Hessian has bad diagonal blocks."""
         self.exact = not semidefinite
-        self.planes = self.problem.hessian(search.coordinates, semidefinite=semidefinite, out=self.planes)
+        self.planes = self.problem.hessian(search.point.coordinates, semidefinite=semidefinite, out=self.planes)
         # The semidefinite Hessian may be singular (area's is); a small shift makes it definite.
         shift = max(self.shift, _SMALLEST_SHIFT) if semidefinite else self.shift
         if shift:
@@ -169,17 +179,17 @@ class _Newton:
             self.planes[2] += shift * size
         if not self.solver.set_operator(self.planes):
             return None
-        solution = self.solver.solve(search.gradient, self.forcing)
+        solution = self.solver.solve(search.point.gradient, self.forcing)
         np.negative(solution.vector, out=solution.vector)
         return solution
 
-    def _search(self, search: _Search, solution: Solution) -> bool:
+    def _search(self, search: LineSearch, solution: Solution) -> bool:
         """Look along Newton's direction, or where that has failed along one of negative curvature."""
         if solution.positive:
             return search.along(solution.vector)
         return self.stalls >= _STALLS and search.away(solution.vector)
 
-    def learn(self, search: _Search, reduction: float, wanted: float) -> None:
+    def learn(self, search: LineSearch, reduction: float, wanted: float) -> None:
         """Draw the lesson of a step that changed the gradient's norm by a factor.
 
         Newton's method squares that factor. Where that will do for the factor that is still `wanted`, the next system
@@ -197,62 +207,3 @@ class _Newton:
             self.shift = max(4 * self.shift, _FIRST_SHIFT)
         last = reduction**2 <= wanted
         self.forcing = min(_LOOSEST, max(_LAST, 0.5 * wanted) if last else max(_TIGHTEST, 0.5 * reduction))
-
-
-@dataclass(slots=True)
-class _Search:
-    """The state from which a step is sought, and how the last search from it ended.
-
-    Attributes:
-        lowest: the Jacobian that no corner may fall to.
-        trial: (2, ni, nj), where trial grids are put.
-        length: of the accepted step; 1 is the whole Newton step. Negative where it leads against its direction.
-        folds: whether a longer step was refused because it would have folded a cell.
-    """
-
-    problem: Problem
-    coordinates: Array
-    energy: float
-    gradient: Array
-    lowest: float
-    trial: Array
-    length: float = 0.0
-    folds: bool = False
-
-    def along(self, direction: Array) -> bool:
-        """Find the longest step 1, 1/2, ... that lowers the energy enough and folds nothing."""
-        slope = inner(self.gradient, direction)
-        round_off = _noise(self.energy)
-        self.length, self.folds = 1.0, False
-        for _ in range(_HALVINGS):
-            energy, smallest = self._energy_at(direction, self.length)
-            lower = energy <= self.energy + _SUFFICIENT * self.length * slope + round_off
-            if lower and smallest > self.lowest:
-                return True
-            self.folds |= bool(lower)
-            self.length *= 0.5
-        return False
-
-    def away(self, direction: Array) -> bool:
-        """Find the length, up to one that moves a node across the grid, that lowers the energy most and folds nothing.
-
-        The direction is one of negative curvature, and its own length means nothing.
-        """
-        sign = -1.0 if inner(self.gradient, direction) > 0 else 1.0
-        length = sign * float(np.ptp(self.coordinates)) / float(np.abs(direction).max())
-        least = self.energy - _noise(self.energy)
-        self.length, self.folds = 0.0, False
-        for _ in range(_HALVINGS):
-            energy, smallest = self._energy_at(direction, length)
-            if energy < least and smallest > self.lowest:
-                self.length, least = length, energy
-            elif self.length:
-                break
-            length *= 0.5
-        return self.length != 0.0
-
-    def _energy_at(self, direction: Array, length: float) -> tuple[float, float]:
-        """Return the energy and the smallest Jacobian after a step of this length."""
-        np.multiply(direction, length, out=self.trial)
-        self.trial += self.coordinates
-        return self.problem.energy(self.trial)

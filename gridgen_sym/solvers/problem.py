@@ -13,6 +13,7 @@ from ..grids import Grid
 from ..grids.grid import check_grid
 from ..runtime import Array, KernelSet, Mask, kernels
 from .checks import check_size, fixed_mask
+from .folds import Folds
 from .weight import Source, Weight, as_weight
 
 
@@ -77,6 +78,10 @@ class Problem:
             interior_only=self.interior_only,
             out=out,
         )
+
+    def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:
+        """Count the folds of coordinates; with `mendable`, only those that moving the free nodes may mend."""
+        return Folds.of(coordinates, self.fixed if mendable else None, self.kernels.smallest_jacobians(coordinates))
 
     def gradient_scale(self, coordinates: Array, energy: float) -> float:
         """Return the norm that the gradient of this energy has on a grid far from its minimum: E/(h sqrt(nodes)).

@@ -14,13 +14,15 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from ..grids import corner_jacobians, transfinite
-from ..runtime import HESSIAN_PLANES, Array
-from .linear import hessian_solver
-from .untangle import Folds
+from ..grids import transfinite
+from ..runtime import Array, threads_for
+from .folds import Folds
+from .problem import Problem
 
-#: Relative residual to which Laplace's equation is solved: a start needs no more.
-_LAPLACE = 1e-2
+#: The sides of a grid (2, ni, nj): the first and the last i, the first and the last j.
+_SIDES = np.s_[:, 0], np.s_[:, -1], np.s_[:, :, 0], np.s_[:, :, -1]
+#: A grid with less than this part of its cells folded is nearly valid.
+_FEW = 0.02
 #: Rows of nodes that are worked on at once.
 _BLOCK = 32
 
@@ -33,31 +35,28 @@ def coarse_start(coordinates: Array, shape: tuple[int, int]) -> Array:
     return transfinite(*(side.T for side in along)).planes.copy()
 
 
-def finer_start(coarse: Array, fine_boundary: Array, backend: str) -> Array:
+def finer_start(problem: Problem, coarse: Array, fine_boundary: Array) -> Array:
     """Return the start on a finer grid: of the ways to make one, the first that is valid, or the least folded.
 
     Args:
+        problem: on the finer grid; counts the folds.
         coarse: (2, ni, nj), solved on a coarser grid.
         fine_boundary: (2, ni, nj) of the finer grid, of which the boundary is used.
-        backend: of the linear solver.
     """
     interpolated = from_boundary(fine_boundary)
     start = _displaced(coarse, interpolated)
-    if _is_valid(start):
-        return start
-    least = Folds.of(start)
-    for other in (_spread(coarse, interpolated, backend), interpolated):
-        folds = Folds.of(other)
-        if folds < least:
-            start, least = other, folds
-    return start.copy()  # What transfinite interpolation gives must not be changed.
+    least = problem.folds(start)
+    if least.cells:
+        start, least = _less_folded(problem, start, least, _spread(coarse, interpolated))
+    if least.cells > _FEW * start[0].size:
+        start, least = _less_folded(problem, start, least, interpolated.copy())
+    return start
 
 
-def _is_valid(coordinates: Array) -> bool:
-    """Return whether no cell is folded."""
-    x, y = coordinates
-    blocks = ((x[block.start : block.stop + 1], y[block.start : block.stop + 1]) for block in _blocks(len(x) - 1))
-    return all(bool((corner_jacobians(*planes) > 0).all()) for planes in blocks)
+def _less_folded(problem: Problem, start: Array, least: Folds, other: Array) -> tuple[Array, Folds]:
+    """Return the less folded of two grids, of which the folds of one are known, and its folds."""
+    folds = problem.folds(other)
+    return (other, folds) if folds < least else (start, least)
 
 
 def _displaced(coarse: Array, interpolated: Array) -> Array:
@@ -68,30 +67,34 @@ def _displaced(coarse: Array, interpolated: Array) -> Array:
     return start
 
 
-def _spread(coarse: Array, fine_boundary: Array, backend: str) -> Array:
+def _spread(coarse: Array, fine_boundary: Array) -> Array:
     """Return the coarse nodes, interpolated linearly, plus the harmonic extension of the boundary's difference."""
     start = resample(coarse, fine_boundary.shape[1:], linear=True)
-    difference = fine_boundary - start
-    difference[:, 1:-1, 1:-1] = 0.0
-    inner = np.zeros_like(difference)
-    inner[:, 1:-1, 1:-1] = (
-        difference[:, :-2, 1:-1] + difference[:, 2:, 1:-1] + difference[:, 1:-1, :-2] + difference[:, 1:-1, 2:]
-    )
-    start += difference + _solve_laplace(inner, backend)
-    for edge in (np.s_[:, 0], np.s_[:, -1], np.s_[:, :, 0], np.s_[:, :, -1]):
-        start[edge] = fine_boundary[edge]  # Bit by bit.
+    sides = [fine_boundary[side] - start[side] for side in _SIDES]
+    start[:, 1:-1, 1:-1] += _harmonic(*(side[:, 1:-1] for side in sides))
+    for side in _SIDES:
+        start[side] = fine_boundary[side]  # Bit by bit.
     return start
 
 
-def _solve_laplace(right: Array, backend: str) -> Array:
-    """Solve Laplace's equation in the logical square on the 5-point stencil, zero at the boundary."""
-    fixed = np.ones(right.shape[1:], dtype=np.uint8)
-    fixed[1:-1, 1:-1] = 0
-    planes = np.zeros((HESSIAN_PLANES, *fixed.shape))
-    planes[[0, 2]] = 4.0
-    planes[[3, 6, 7, 10]] = -1.0
-    solver = hessian_solver(fixed, backend)
-    return solver.solve(right, _LAPLACE).vector if solver.set_operator(planes) else np.zeros_like(right)
+def _harmonic(first_i: Array, last_i: Array, first_j: Array, last_j: Array) -> Array:
+    """Return the solution of Laplace's equation on the 5-point stencil, at the inner nodes, from values at the sides.
+
+    By sine transforms, which make the stencil diagonal. Those of what the sides contribute are known but for one along
+    each side.
+    """
+    from scipy.fft import dst, idstn
+
+    waves = [np.pi * np.arange(1, count + 1) / (count + 1) for count in (first_j.shape[1], first_i.shape[1])]
+    sine_i, sine_j = (2 * np.sin(wave) for wave in waves)
+    odd_i, odd_j = (np.resize([1.0, -1.0], len(wave)) for wave in waves)
+    along_j, along_i = (
+        (dst(first, type=1), dst(last, type=1)) for first, last in ((first_i, last_i), (first_j, last_j))
+    )
+    spectrum = sine_i[:, None] * along_j[0][:, None] + (odd_i * sine_i)[:, None] * along_j[1][:, None]
+    spectrum += along_i[0][:, :, None] * sine_j + along_i[1][:, :, None] * (odd_j * sine_j)
+    spectrum /= (4 - 2 * np.cos(waves[0]))[:, None] - 2 * np.cos(waves[1])
+    return np.asarray(idstn(spectrum, type=1, axes=(1, 2), overwrite_x=True, workers=threads_for(spectrum.size)))
 
 
 def from_boundary(coordinates: Array) -> Array:

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 
 from ..functionals.definition import Functional
 from ..grids import Grid, certificates, corner_jacobians, quality
+from ..grids.certificate import boundary_indices
+from ..grids.predicates import area_sign
 from ..runtime import Array
 from .lift import lift
 from .nested import Nested, worth_nesting
 from .problem import Problem, norm_of
 from .progress import Progress
 from .result import Result
-from .untangle import Folds, unfold
+from .untangle import unfold
 
 
 @dataclass(slots=True)
@@ -57,7 +59,7 @@ class Run:
         try:
             nested.solve(self.coordinates)
         finally:
-            self._take(nested.finer(self.coordinates))
+            self._take(nested.finer(self.problem, self.coordinates))
 
     def _take(self, start: Array) -> None:
         """Take another start, if it is better: less folded, or else of lower energy."""
@@ -71,7 +73,7 @@ class Run:
             better = new_energy < energy
         elif barrier or max(new_smallest, smallest) > 0:
             # On the wrong side of a barrier the energy means nothing.
-            better = Folds.of(start) < Folds.of(self.coordinates)
+            better = self.problem.folds(start) < self.problem.folds(self.coordinates)
         else:
             better = new_energy < energy
         if better:
@@ -96,7 +98,8 @@ class Run:
     @property
     def _encloses_nothing(self) -> bool:
         """Whether the boundary's area is not positive, as where it runs clockwise: no grid is better than another."""
-        return self.to_untangle and not float(corner_jacobians(*self.coordinates).sum()) > 0
+        ring = boundary_indices(*self.problem.fixed.shape)
+        return self.to_untangle and area_sign(self.coordinates[:, ring[:, 0], ring[:, 1]].T) <= 0
 
     def could_not_unfold(self) -> str:
         """Return what to tell the user about a grid that stayed folded."""

@@ -12,19 +12,20 @@ functionals like: what stays folded is tried again in coordinates in which the b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-
-import numpy as np
-import numpy.typing as npt
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 from ..functionals.definition import Functional
-from ..grids import corner_jacobians
-from ..runtime import Array, Mask, kernels
+from ..runtime import Array, kernels
+from .folds import Folds, mean_jacobian
+from .frame import Frame, frames
 from .linear import hessian_solver
 from .newton import minimize
+from .nonlinear_elimination import sweep_standing_out
+from .point import Point
 from .problem import Problem
 from .progress import Progress
+from .windows import cut_out, folded_nodes, windows
 
 #: The first epsilon, over the depth of the worst fold and over the mean Jacobian: the larger of the two counts.
 _DEPTH, _SIZE = 0.2, 0.02
@@ -36,80 +37,14 @@ _PATIENCE, _SHALLOWER = 3, 0.9
 _TOLERANCE, _STEPS = 1e-2, 20
 #: Over the mean Jacobian: below this epsilon, rounding decides about signs.
 _SHARPEST = 1e-12
-#: A boundary that extends so much more one way than the other is looked at in stretched coordinates, too.
-_THIN = 1.5
+#: Nodes round folds that are unfolded as a grid of their own, at first and then; no window is more than a part of all.
+_LAYERS = 6, 12
+#: Folded cells that are less than this part of all are tried by themselves before all nodes are moved.
+_FEW = 0.02
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Folds:
-    """How badly a grid is folded; the smaller of two is the better one.
-
-    Attributes:
-        cells: with a corner where J <= 0 (or is not a number).
-        depth: minus the smallest Jacobian.
-    """
-
-    cells: int
-    depth: float
-
-    @classmethod
-    def of(cls, coordinates: Array, fixed: Mask | None = None) -> Folds:
-        """Count the folds of (2, ni, nj) coordinates; with `fixed`, only those that moving free nodes may mend."""
-        jacobians = corner_jacobians(coordinates[0], coordinates[1])
-        if fixed is not None:
-            jacobians = np.where(cls.held_corners(fixed), np.inf, jacobians)
-        folded = ~(jacobians > 0)
-        return cls(int(folded.any(axis=0).sum()), -float(jacobians.min()))
-
-    @staticmethod
-    def held_corners(fixed: Mask) -> npt.NDArray[np.bool_]:
-        """Return, as `corner_jacobians` orders them, the corners whose three nodes are all fixed: their J is given."""
-        held = fixed != 0
-        nodes = held[:-1, :-1], held[1:, :-1], held[1:, 1:], held[:-1, 1:]
-        return np.stack([nodes[k - 1] & nodes[k] & nodes[(k + 1) % 4] for k in range(4)])
-
-
-@dataclass(slots=True)
-class _Least:
-    """The least folded grid so far: its coordinates, and its folds."""
-
-    coordinates: Array
-    folds: Folds
-
-    def offer(self, coordinates: Array) -> None:
-        """Take a grid that is less folded."""
-        folds = Folds.of(coordinates)
-        if folds < self.folds:
-            self.coordinates, self.folds = coordinates.copy(), folds
-
-
-@dataclass(frozen=True, slots=True)
-class _Frame:
-    """Affine coordinates: `matrix` (2, 2) times what is left of a point when `center` (2,) is taken away."""
-
-    matrix: Array
-    center: Array
-
-    def of(self, coordinates: Array) -> Array:
-        """Return coordinates (2, ni, nj) in this frame."""
-        return np.ascontiguousarray(np.tensordot(self.matrix, coordinates - self.center[:, None, None], axes=1))
-
-    def back(self, coordinates: Array, like: Array, fixed: Mask) -> Array:
-        """Return them from this frame, with the fixed nodes bit by bit as in `like`."""
-        there = np.tensordot(np.linalg.inv(self.matrix), coordinates, axes=1) + self.center[:, None, None]
-        return np.where(fixed != 0, like, there)
-
-
-def _frames(coordinates: Array) -> Iterator[_Frame]:
-    """Return the coordinates to search in: as they are, and, for a thin boundary, with its extent made even."""
-    yield _Frame(np.eye(2), np.zeros(2))
-    sides = coordinates[:, :, 0], coordinates[:, :, -1], coordinates[:, 0], coordinates[:, -1]
-    boundary = np.concatenate(sides, axis=1)
-    center, size = boundary.mean(axis=1), float(np.ptp(boundary)) or 1.0
-    spread, axes = np.linalg.eigh(np.cov((boundary - center[:, None]) / size))
-    extents = np.sqrt(np.maximum(spread, 0.0))
-    if extents[1] > _THIN * extents[0] > 0:
-        yield _Frame(axes @ np.diag(extents[1] / extents) @ axes.T, center)
+#: Lowers the energy of a problem from given coordinates on, in place.
+_Lower = Callable[[Problem, Array], None]
 
 
 def unfold(
@@ -128,50 +63,109 @@ def unfold(
     Returns:
         Whether the grid is valid.
     """
-    least = _Least(coordinates.copy(), Folds.of(coordinates))
-    start = least.coordinates
+    search = _Search(problem, functional, parameters, progress, _Least(problem, coordinates.copy()))
     try:
-        for frame in _frames(start):
-            place = frame.of(start)
-            try:
-                for _ in _path(problem, functional, place, parameters, progress):
-                    least.offer(frame.back(place, start, problem.fixed))
-            finally:  # Ctrl-C may come in the midst of a step.
-                least.offer(frame.back(place, start, problem.fixed))
-            if not Folds.of(least.coordinates, problem.fixed).cells:
+        for way in (search.node_by_node, search.window_by_window, search.everywhere):
+            way(coordinates)
+            if search.done:
                 break
     finally:
-        coordinates[...] = least.coordinates
-    return least.folds.cells == 0
+        coordinates[...] = search.least.coordinates
+    return search.least.folds.cells == 0
 
 
-def _path(
-    problem: Problem,
-    functional: Functional,
-    coordinates: Array,
-    parameters: Mapping[str, float] | None,
-    progress: Progress,
-) -> Iterator[None]:
-    """Follow the minima for falling epsilon, changing `coordinates` in place, as long as that is progress."""
-    folds = [Folds.of(coordinates, problem.fixed)]
-    size = float(np.abs(corner_jacobians(coordinates[0], coordinates[1])).mean())
-    epsilon = max(_DEPTH * folds[0].depth, _SIZE * size)
-    solver = hessian_solver(problem.fixed, problem.kernels.backend)
-    while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:]):
-        minimize(
-            regularized(problem, functional, parameters, epsilon),
-            coordinates,
-            progress,
-            tolerance=_TOLERANCE,
-            max_iterations=_STEPS,
-            keep_valid=False,
-            until_valid=True,
-            semidefinite=True,
-            solver=solver,
-        )
-        folds.append(Folds.of(coordinates, problem.fixed))
-        epsilon *= _FALL
-        yield
+@dataclass(slots=True)
+class _Least:
+    """The least folded grid so far: its coordinates, and its folds, which the problem counts."""
+
+    problem: Problem
+    coordinates: Array
+    folds: Folds = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Count the folds of the start."""
+        self.folds = self.problem.folds(self.coordinates)
+
+    def offer(self, coordinates: Array) -> None:
+        """Take a grid that is less folded."""
+        folds = self.problem.folds(coordinates)
+        if folds < self.folds:
+            self.coordinates, self.folds = coordinates.copy(), folds
+
+
+@dataclass(slots=True)
+class _Search:
+    """The ways to a valid grid, the cheapest first; each offers the grids that it finds to `least`."""
+
+    problem: Problem
+    functional: Functional
+    parameters: Mapping[str, float] | None
+    progress: Progress
+    least: _Least
+
+    @property
+    def done(self) -> bool:
+        """Whether no cell is left that moving free nodes may mend."""
+        return not self.problem.folds(self.least.coordinates, mendable=True).cells
+
+    def node_by_node(self, start: Array) -> None:
+        """Where few cells are folded, lower the energy at the nodes round them."""
+
+        def lower(regular: Problem, place: Array) -> None:
+            point = Point(regular, place)
+            self.progress.step(0, point.energy, point.norm, point.smallest)
+            sweep_standing_out(point, until_valid=True)
+
+        if self.least.folds.cells < _FEW * self.problem.fixed.size:
+            self._follow(start, next(frames(start)), lower)
+
+    def window_by_window(self, start: Array) -> None:
+        """Unfold small parts of the least folded grid, each as a grid of its own."""
+        for layers in _LAYERS:
+            for window in windows(folded_nodes(self.least.coordinates, self.problem.fixed), layers):
+                part, place = cut_out(self.problem, self.least.coordinates, window)
+                try:
+                    unfold(part, self.functional, place, self.parameters, self.progress)
+                finally:
+                    whole = self.least.coordinates.copy()
+                    whole[:, *window] = place
+                    self.least.offer(whole)
+
+    def everywhere(self, start: Array) -> None:
+        """Lower the energy at all nodes, in every frame."""
+        solver = hessian_solver(self.problem.fixed, self.problem.kernels.backend)
+
+        def minimize_all(regular: Problem, place: Array) -> None:
+            minimize(
+                regular,
+                place,
+                self.progress,
+                tolerance=_TOLERANCE,
+                max_iterations=_STEPS,
+                keep_valid=False,
+                until_valid=True,
+                semidefinite=True,
+                solver=solver,
+            )
+
+        for frame in frames(start):
+            self._follow(start, frame, minimize_all)
+            if self.done:
+                break
+
+    def _follow(self, start: Array, frame: Frame, lower: _Lower) -> None:
+        """Follow the minima for falling epsilon from a start, as long as that is progress."""
+        place, fixed = frame.of(start), self.problem.fixed
+        folds = [self.problem.folds(place, mendable=True)]
+        size = mean_jacobian(place)
+        epsilon = max(_DEPTH * folds[0].depth, _SIZE * size)
+        while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:]):
+            try:
+                lower(regularized(self.problem, self.functional, self.parameters, epsilon), place)
+            finally:  # Ctrl-C may come in the midst of a step.
+                self.least.offer(frame.back(place, start, fixed))
+            folds.append(self.problem.folds(place, mendable=True))
+            epsilon *= _FALL
 
 
 def _ended(folds: list[Folds]) -> bool:

@@ -1,0 +1,113 @@
+"""Counting folds, and what is cut out or spread round them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support_boundaries import SEEDS, SIZES, grid_of_ring, star_polygon
+
+import gridgen_sym as gg
+from gridgen_sym.solvers.folds import Folds, mean_jacobian
+from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.prolongation import _SIDES, _displaced, _harmonic, _spread, finer_start, from_boundary
+from gridgen_sym.solvers.windows import cut_out, folded_nodes, windows
+
+
+def disordered(seed, ni, nj, disorder=0.6):
+    """A square of unit cells whose nodes are moved at random: many cells are folded."""
+    random = np.random.default_rng(seed)
+    nodes = np.stack(np.meshgrid(np.arange(ni), np.arange(nj), indexing="ij")).astype(float)
+    return nodes + disorder * random.standard_normal(nodes.shape)
+
+
+@settings(max_examples=50)
+@given(SIZES, SEEDS)
+def test_folds_are_those_of_the_quality(size, seed):
+    place = disordered(seed, *size)
+    quality, problem = gg.quality(gg.Grid.from_planes(*place)), make_problem(gg.Grid.from_planes(*place), "winslow")
+    for folds in (Folds.of(place), problem.folds(place)):
+        assert folds.cells == quality.folded_cells
+        assert folds.depth == pytest.approx(-quality.min_jacobian, rel=1e-12)
+
+
+def test_folds_are_counted_over_many_rows_as_over_few():
+    place = disordered(1, 90, 300, 0.2)
+    rows = gg.grids.corner_jacobians(*place).min(axis=(0, 2))
+    assert 0 < Folds.of(place).cells == Folds.of(place, rows=rows).cells
+    assert Folds.of(place) == Folds.of(place, rows=rows)
+    valid = disordered(1, 90, 300, 0.01)
+    assert Folds.of(valid).cells == 0
+    assert Folds.of(valid, rows=gg.grids.corner_jacobians(*valid).min(axis=(0, 2))) == Folds.of(valid)
+    assert mean_jacobian(place) == pytest.approx(np.abs(gg.grids.corner_jacobians(*place)).mean())
+
+
+def test_a_corner_that_no_free_node_can_mend_is_not_to_be_mended():
+    place = disordered(0, 5, 6, 0.0)
+    place[:, 0, 0] = 0.9, 0.9  # J < 0 at the corner of three boundary nodes, and nowhere else.
+    problem = make_problem(gg.Grid.from_planes(*place), "winslow")
+    assert problem.folds(place).cells == 1
+    assert problem.folds(place, mendable=True) == Folds(0, pytest.approx(-0.1))
+    assert not folded_nodes(place, problem.fixed).any()
+
+
+def test_a_number_that_is_none_is_a_fold():
+    place = disordered(0, 5, 6, 0.0)
+    place[0, 2, 2] = np.nan
+    assert Folds.of(place).cells == 4
+
+
+# ---- windows ----
+
+
+def test_windows_hold_what_is_marked_and_its_surroundings():
+    marked = np.zeros((40, 50), dtype=bool)
+    marked[3, 4] = marked[30, 20] = marked[31, 26] = True
+    assert list(windows(marked, 3)) == [(slice(0, 7), slice(1, 8)), (slice(27, 35), slice(17, 30))]
+    marked[::2, ::2] = True
+    assert list(windows(marked, 3)) == []  # The whole grid is no window.
+
+
+def test_what_is_cut_out_is_a_problem_of_its_own():
+    grid = gg.domain("swan", 21, 17)
+    inner = np.zeros(grid.shape, dtype=bool)
+    inner[7, 8] = True
+    part, place = cut_out(make_problem(grid, "winslow", fixed=inner), grid.planes, (slice(4, 12), slice(5, 14)))
+    assert np.array_equal(place, grid.planes[:, 4:12, 5:14])
+    assert np.array_equal(np.argwhere(part.fixed[1:-1, 1:-1]), [[2, 2]])
+    assert part.fixed[[0, -1]].all()
+    assert part.fixed[:, [0, -1]].all()
+
+
+# ---- what the boundary of a finer grid adds ----
+
+
+@settings(max_examples=30)
+@given(st.integers(3, 14), st.integers(3, 14), SEEDS)
+def test_a_harmonic_extension_solves_laplaces_equation(ni, nj, seed):
+    field = np.random.default_rng(seed).standard_normal((2, ni, nj))
+    field[:, 1:-1, 1:-1] = _harmonic(*(field[side][:, 1:-1] for side in _SIDES))
+    inner = field[:, 1:-1, 1:-1]
+    around = field[:, 2:, 1:-1] + field[:, :-2, 1:-1] + field[:, 1:-1, 2:] + field[:, 1:-1, :-2]
+    np.testing.assert_allclose(4 * inner, around, atol=1e-12)
+
+
+def test_what_is_spread_is_the_boundarys_difference():
+    """Where that is x² - y², which solves Laplace's equation on the stencil, too, so is all of it."""
+    i, j = np.meshgrid(np.arange(15.0), np.arange(19.0), indexing="ij")
+    coarse, wave = np.stack((i[::2, ::2], j[::2, ::2])), (i**2 - j**2) * 1e-3
+    fine = np.stack((i + wave, j - wave))
+    boundary = fine.copy()
+    boundary[:, 1:-1, 1:-1] = np.nan
+    np.testing.assert_allclose(_spread(coarse, boundary), fine, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_least_folded_start_is_taken(seed):
+    ring = star_polygon(seed, 2 * (21 + 21) - 4, 0.5)
+    grid = grid_of_ring(ring, 21, 21)
+    problem, coarse = make_problem(grid, "winslow"), gg.untangle(gg.domain("square", 11, 11)).grid.planes
+    interpolated = from_boundary(grid.planes)
+    ways = _displaced(coarse, interpolated), _spread(coarse, interpolated), interpolated
+    assert problem.folds(finer_start(problem, coarse, grid.planes)) == min(problem.folds(way) for way in ways)

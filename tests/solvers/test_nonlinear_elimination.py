@@ -1,0 +1,164 @@
+"""A few bad places of a grid are seen to by themselves, and the rest of it does not pay for them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gridgen_sym as gg
+from gridgen_sym.solvers import newton
+from gridgen_sym.solvers.newton import minimize
+from gridgen_sym.solvers.nonlinear_elimination import eliminate, sweep_standing_out
+from gridgen_sym.solvers.point import Point
+from gridgen_sym.solvers.problem import Problem, make_problem
+from gridgen_sym.solvers.progress import Progress
+
+from .conftest import BARRIER
+
+SIZE = 65
+each_barrier = pytest.mark.parametrize("name", BARRIER)
+
+
+def solved(name):
+    """The minimum on a wavy square."""
+    return gg.optimize(gg.domain("wavy", SIZE, SIZE), name).grid.planes.copy()
+
+
+def squeezed(name, *, folded=False):
+    """The same, but for a node next to the boundary that was moved all but (or, folded, more than) to the next one."""
+    place = solved(name)
+    place[:, 1, 30] += (1.2 if folded else 0.999) * (place[:, 2, 30] - place[:, 1, 30])
+    return place
+
+
+def window_solver(seen):
+    def solve(part: Problem, place):
+        seen.append(place.shape[1:])
+        minimize(part, place, Progress("window", show=False), tolerance=0.1, max_iterations=40, keep_valid=True)
+
+    return solve
+
+
+def point_of(place, name="winslow", **options):
+    return Point(make_problem(gg.Grid.from_planes(*place), name, **options), place)
+
+
+@each_barrier
+def test_elimination_calms_a_bad_place_and_leaves_most_of_the_grid_alone(name):
+    place, seen = squeezed(name), []
+    point, before = point_of(place.copy(), name), squeezed(name)
+    norm, smallest, energy = point.norm, point.smallest, point.energy
+    eliminate(point, window_solver(seen))
+    assert point.norm < 1e-3 * norm
+    assert point.smallest > 10 * smallest
+    assert point.energy < energy
+    moved = (point.coordinates != before).any(axis=0)
+    assert moved[1, 30]
+    assert moved.sum() < 0.1 * moved.size
+    again = point_of(point.coordinates, name)
+    assert (again.energy, again.smallest, again.norm) == (point.energy, point.smallest, point.norm)
+    assert np.array_equal(again.gradient, point.gradient)
+
+
+def test_fixed_nodes_stay():
+    place = squeezed("winslow")
+    fixed = np.zeros((SIZE, SIZE), dtype=bool)
+    fixed[1, 29] = fixed[2, 31] = True
+    point = point_of(place.copy(), fixed=fixed)
+    eliminate(point, window_solver([]))
+    assert np.array_equal(point.coordinates[:, fixed], place[:, fixed])
+    assert not np.array_equal(point.coordinates[:, 1, 30], place[:, 1, 30])
+
+
+def stretched():
+    """A grid in which eight nodes in a row have been drawn to the boundary: too many for sweeps."""
+    place = squeezed("winslow")
+    place[:, 1:9, 40] = place[:, [1], 40] + np.linspace(0, 1e-3, 8) * (place[:, 9] - place[:, 1])[:, [40]]
+    return place
+
+
+def test_windows_are_small_and_cut_out_where_sweeps_are_not_enough():
+    seen = []
+    point = point_of(stretched())
+    assert point.smallest > 0
+    eliminate(point, window_solver(seen))
+    assert seen
+    assert all(ni * nj <= SIZE**2 / 4 for ni, nj in seen)
+
+
+@pytest.mark.parametrize("options", [{"weight": "1 + x**2"}, {"interior_only": True}])
+def test_no_window_is_cut_out_of_what_hangs_together(options):
+    """A weight, and which corners count, depend on the whole grid: sweeps know them, windows do not."""
+    seen = []
+    point = point_of(stretched(), **options)
+    norm = point.norm
+    eliminate(point, window_solver(seen))
+    assert not seen
+    assert point.norm < norm
+
+
+def test_a_smooth_grid_is_left_alone():
+    place = gg.domain("wavy", SIZE, SIZE).planes.copy()
+    point = point_of(place.copy())
+    point.gradient[...] = 1.0  # Nothing stands out.
+    sweep_standing_out(point)
+    assert np.array_equal(point.coordinates, place)
+
+
+@each_barrier
+def test_newton_takes_fewer_steps_with_it(name, monkeypatch):
+    def steps():
+        place = squeezed(name)
+        problem = make_problem(gg.Grid.from_planes(*place), name)
+        with Progress("minimize", show=False) as report:
+            converged, _ = minimize(
+                problem, place, report, tolerance=1e-8, max_iterations=100, keep_valid=True, reference=1.0
+            )
+        assert converged
+        return len(report.history), place
+
+    few, place = steps()
+    monkeypatch.setattr(newton, "eliminate", lambda point, minimize: None)
+    many, same = steps()
+    assert few < 0.6 * many
+    np.testing.assert_allclose(place, same, atol=1e-6)
+
+
+def test_it_comes_before_the_first_step(monkeypatch):
+    start, called = gg.Grid.from_planes(*squeezed("winslow")), []
+    monkeypatch.setattr(newton, "eliminate", lambda point, minimize: called.append(point.norm))
+    result = gg.optimize(start, "winslow", max_iterations=1)
+    assert called == [result.history[0].gradient_norm]
+
+
+def test_no_iteration_allowed_is_none_done():
+    place = squeezed("winslow")
+    result = gg.optimize(gg.Grid.from_planes(*place), "winslow", max_iterations=0)
+    assert np.array_equal(result.grid.planes, place)
+
+
+@each_barrier
+def test_a_single_fold_is_unfolded_where_it_is(name):
+    place = squeezed(name, folded=True)
+    start = gg.Grid.from_planes(*place)
+    fixed = np.zeros(start.shape, dtype=bool)
+    fixed[50, 50] = True  # So that no coarser grid knows all that counts.
+    assert gg.quality(start).folded_cells > 0
+    result = gg.untangle(start, name, fixed=fixed)
+    assert result.converged
+    moved = (result.grid.planes != place).any(axis=0)
+    assert 0 < moved.sum() < 0.1 * moved.size
+
+
+def test_a_deep_fold_is_unfolded_in_a_window():
+    """Sweeps alone do not turn a knot of many nodes: a window round it does."""
+    place = solved("winslow")
+    knot = place[:, 20:27, 20:27].copy()
+    place[:, 20:27, 20:27] = knot[:, ::-1, ::-1]
+    start = gg.Grid.from_planes(*place)
+    fixed = np.zeros(start.shape, dtype=bool)
+    fixed[60, 60] = True
+    result = gg.untangle(start, "winslow", fixed=fixed)
+    assert result.converged
+    moved = (result.grid.planes != place).any(axis=0)
+    assert moved.sum() < 0.2 * moved.size
