@@ -183,6 +183,40 @@ def test_a_saddle_is_told_with_a_direction_away_from_it(make):
     assert direction @ matrix @ direction < 0
 
 
+def test_a_cycle_that_fails_in_single_precision_is_given_up():
+    """Nearly flat cells: the condition is 1e9, and the cycle is not positive for every right-hand side."""
+    grid = gg.domain("swan", 5, 9)
+    problem = make_problem(grid, "modified_liao")
+    solver = Multigrid(problem.fixed)
+    assert solver.set_operator(problem.hessian(grid.planes.copy(), semidefinite=True))
+    for seed in range(6):
+        right = np.random.default_rng(seed).normal(size=(2, 5, 9)) * (problem.fixed == 0)
+        answer = solver.solve(right, 1e-6)
+        assert not answer.positive
+        assert answer.iterations <= 50
+
+
+def test_what_is_told_positive_is_so():
+    """Random stencils with definite blocks, on nodes of sizes from 0.01 to 100: half of the matrices are definite."""
+    shape, told = (6, 7), []
+    fixed = np.ones(shape, dtype=np.uint8)
+    fixed[1:-1, 1:-1] = 0
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        planes = random.choice((0.1, 0.25, 0.4)) * random.uniform(-1, 1, size=(19, *shape))
+        planes[[0, 2]] = 1.0
+        least = np.linalg.eigvalsh(assemble_hessian(planes, fixed).toarray())[0]  # Scaling keeps its sign.
+        size = 10.0 ** random.uniform(-2, 2, size=shape)
+        for (di, dj), first in (((0, 0), 0), *HESSIAN_NEIGHBORS):
+            planes[first : first + (4 if first else 3)] *= size * np.roll(size, (-di, -dj), (0, 1))
+        right = random.normal(size=(2, *shape)) * (fixed == 0)
+        solver = Multigrid(fixed)
+        if solver.set_operator(planes) and abs(least) > 1e-2:
+            told.append(solver.solve(right, 1e-10).positive)
+            assert told[-1] == (least > 0), seed
+    assert 10 <= sum(told) <= len(told) - 10
+
+
 @pytest.mark.parametrize(
     ("make", "block"),
     [
