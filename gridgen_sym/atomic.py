@@ -7,7 +7,7 @@ import os
 import secrets
 from pathlib import Path
 
-from gridgen_sym.errors import GridgenError
+from .errors import GridgenError
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:

@@ -23,3 +23,22 @@ def not_quiet(monkeypatch):
 def clean_registry(monkeypatch):
     """Forget the functionals that a test defines."""
     monkeypatch.setattr(definition, "_registry", dict(definition._registry))
+
+
+@pytest.fixture
+def live_line(monkeypatch):
+    """Record what happens to the live line on the terminal: "start", its texts, "stop"."""
+    shown = []
+
+    class Status:
+        def start(self):
+            shown.append("start")
+
+        def update(self, text):
+            shown.append(text)
+
+        def stop(self):
+            shown.append("stop")
+
+    monkeypatch.setattr("rich.console.Console.status", lambda console, text: Status())
+    return shown

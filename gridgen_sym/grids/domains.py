@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gridgen_sym.errors import GridgenError
-
+from ..errors import GridgenError
 from .curves import Side, arc, curve, line, polyline
 from .grid import FloatArray, Grid, check_counts
 from .transfinite import transfinite

@@ -7,9 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from gridgen_sym.errors import GridgenError
-
 from ..atomic import read_bytes, write_bytes
+from ..errors import GridgenError
 from . import plot3d, tables, vtk
 from .grid import Grid
 

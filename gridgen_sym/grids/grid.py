@@ -9,7 +9,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gridgen_sym.errors import GridgenError
+from ..errors import GridgenError
 
 FloatArray = NDArray[np.float64]
 

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gridgen_sym.errors import GridgenError
-
 from ..atomic import read_bytes, write_bytes
+from ..errors import GridgenError
 from ..messages import say
-from .corners import CornerChoice, Corners, automatic_corners, corner_penalty, settled_corners
+from .corners import CornerChoice, Corners, automatic_corners
 from .grid import FloatArray, Grid, check_counts
 from .outline_checks import (
     checked_choice,
@@ -26,8 +24,9 @@ from .outline_checks import (
     run_backwards,
 )
 from .outline_file import parse_outline
-from .polygon import first_crossing, first_repeated, inner_angles, is_clockwise
-from .sampling import Sampling, sample
+from .outline_sides import check_sampling, corner_choice, rolled, sampled_sides
+from .polygon import first_crossing, first_repeated, is_clockwise
+from .sampling import Sampling
 from .transfinite import transfinite
 
 #: Nodes of the grid for which an outline's own corners are chosen automatically.
@@ -93,7 +92,7 @@ class Outline:
         if clockwise:
             array, checked = run_backwards(array, checked)
         if automatic:
-            array, checked = _rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
+            array, checked = rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
         array.setflags(write=False)
         for field, value in (("points", array), ("corners", checked), ("name", name)):
             object.__setattr__(self, field, value)
@@ -168,29 +167,13 @@ class Outline:
             GridgenError: for fewer than 3 nodes, or corners or a sampling that are none of these.
         """
         check_counts(ni, nj)
-        _check_sampling(sampling)
+        check_sampling(sampling)
         if isinstance(corners, str) and corners == "auto":
             wanted = automatic_corners(self.points, ni, nj)
         else:
             wanted = self.corners if corners is None else checked_choice(corners, len(self.points), self.name)
-
-        def angles_of(choice: Corners) -> FloatArray:
-            return _corner_angles(_sampled(self.points, choice, ni, nj, sampling))
-
-        if corners is None or isinstance(corners, str):
-            chosen, moved = settled_corners(self.points, wanted, (ni, nj), angles_of)
-        else:
-            chosen, moved = wanted, ()
-        before, after = angles_of(wanted), angles_of(chosen)
-        a0, a1, a2, a3 = after.tolist()
-        penalty = float(corner_penalty(self.points, np.array([chosen]), ni, nj)[0])
-        said = "; ".join(
-            f"corner {k} of '{self.name}' is moved from point {wanted[k]}, where the boundary's nodes make an angle of "
-            f"{before[k]:.4g} degrees, to point {chosen[k]}, where they make {after[k]:.4g}"
-            for k in moved
-        )
-        said += "; give the corners as indices to keep them where they are" if said else ""
-        return CornerChoice(chosen, (a0, a1, a2, a3), penalty, moved, said)
+        keep = not (corners is None or isinstance(corners, str))
+        return corner_choice(self.points, self.name, wanted, (ni, nj), sampling, keep=keep)
 
     def sides(
         self,
@@ -216,7 +199,7 @@ class Outline:
         choice = self.choose_corners(ni, nj, corners, sampling)
         if choice.message:
             say(choice.message)
-        bottom, right, top, left = _sampled(self.points, choice.corners, ni, nj, sampling)
+        bottom, right, top, left = sampled_sides(self.points, choice.corners, (ni, nj), sampling)
         return bottom, top[::-1], left[::-1], right
 
     def grid(
@@ -255,29 +238,3 @@ class Outline:
     def __hash__(self) -> int:
         """Agree with `==`."""
         return hash((self.corners, (self.points + 0.0).tobytes()))
-
-
-def _check_sampling(sampling: str) -> None:
-    """Raise a `GridgenError` unless there is such a sampling."""
-    if sampling not in ("features", "equal"):
-        raise GridgenError(f"sampling must be 'features' or 'equal', but is {sampling!r}")
-
-
-def _rolled(points: FloatArray, corners: Corners) -> tuple[FloatArray, Corners]:
-    """Roll a curve so that its first corner comes first."""
-    c0, c1, c2, c3 = ((corner - corners[0]) % len(points) for corner in corners)
-    return np.roll(points, -corners[0], axis=0), (c0, c1, c2, c3)
-
-
-def _sampled(points: FloatArray, corners: Corners, ni: int, nj: int, sampling: Sampling) -> list[FloatArray]:
-    """Return the nodes of bottom, right, top and left, all counter-clockwise."""
-    rolled, places = _rolled(points, corners)
-    closed = np.concatenate((rolled, rolled[:1]))
-    pieces = (closed[first : last + 1] for first, last in pairwise((*places, len(points))))
-    return [sample(piece, count, sampling) for piece, count in zip(pieces, (ni, nj, ni, nj), strict=True)]
-
-
-def _corner_angles(sides: list[FloatArray]) -> FloatArray:
-    """Return the inner angles in degrees between the nodes at the four corners of counter-clockwise sides."""
-    before = np.array([sides[k - 1][-2] for k in range(4)])
-    return inner_angles(before, np.array([side[0] for side in sides]), np.array([side[1] for side in sides]))

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gridgen_sym.errors import GridgenError
-
+from ..errors import GridgenError
 from .corners import Corners
 from .grid import FloatArray, real_array
 from .polygon import first_repeated

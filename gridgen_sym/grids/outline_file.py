@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from gridgen_sym.errors import GridgenError
+from ..errors import GridgenError
 
 
 def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[int] | None, list[list[float]]]:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gridgen_sym.errors import GridgenError, MissingExtraError
-
 from ..atomic import write_bytes
+from ..errors import GridgenError, MissingExtraError
 from .grid import FloatArray, Grid
 from .quality import quality
 

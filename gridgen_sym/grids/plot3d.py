@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gridgen_sym.errors import GridgenError
-
+from ..errors import GridgenError
 from .grid import FloatArray, Grid
 
 _EXPECTED = "expected ASCII numbers: [1,] ni, nj, [1,] then all x, all y [and all z]"

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gridgen_sym.errors import GridgenError
-
+from ..errors import GridgenError
 from .certificate import Certificate, certificates
 from .grid import FloatArray, Grid
 from .plot import ALARM, draw_grid, new_figure, save

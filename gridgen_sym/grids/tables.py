@@ -8,8 +8,7 @@ import zlib
 
 import numpy as np
 
-from gridgen_sym.errors import GridgenError
-
+from ..errors import GridgenError
 from .grid import FloatArray, Grid
 
 HEADER = "i,j,x,y"

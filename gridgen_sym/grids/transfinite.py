@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gridgen_sym.errors import GridgenError
-
+from ..errors import GridgenError
 from .grid import SMALLEST, FloatArray, Grid, real_array
 
 CORNER_TOLERANCE = 1e-9  # Relative to the extent of the boundary: looser than rounding, far below a cell.

@@ -17,8 +17,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from gridgen_sym.errors import GridgenError
-
+from ..errors import GridgenError
 from .grid import FloatArray, Grid
 
 _TYPES = {"Float32": "f4", "Float64": "f8"}

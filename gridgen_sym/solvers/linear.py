@@ -20,8 +20,8 @@ class Solution:
         vector: (2, ni, nj), zero at fixed nodes.
         iterations: number of products with the operator; 0 for a direct solver.
         reduction: of the residual's norm.
-        positive: whether the operator was positive along every direction that was met; else `vector` is a
-            direction along which it is not.
+        positive: whether the operator, and what it is preconditioned by, was positive along every direction that was
+            met; else `vector` is the last of these.
     """
 
     vector: Array

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import sys
-import time
 from collections.abc import Callable
-from types import TracebackType
-from typing import Any
 
+from .live import LiveLine
 from .result import Step
 
 Callback = Callable[[Step], None]
-
-#: Seconds after which a solver starts to show what it does.
-PATIENCE = 1.0
 
 
 class StopRequest(Exception):  # noqa: N818 - nothing went wrong
     """Ends a solver that the callback or the time limit stops; its text says which."""
 
 
-class Progress:
-    """Collects the history; shows a live line on a terminal once a run takes longer than `PATIENCE`."""
+class Progress(LiveLine):
+    """Collects the history, and shows it step by step."""
 
     def __init__(
         self,
@@ -38,25 +32,11 @@ class Progress:
             show: show progress on standard error; by default, if that is a terminal.
             time_limit: seconds after which the next step ends the solver.
         """
+        super().__init__(title, show)
         self.history: list[Step] = []
-        self._title = title
         self._stage, self._shape = "start", (0, 0)
         self.callback_error: Exception | None = None
         self._callback, self._limit = callback, time_limit
-        self._show = sys.stderr.isatty() if show is None else show
-        self._begin = time.monotonic()
-        self._status: Any = None
-
-    def __enter__(self) -> Progress:
-        """Return itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Take the line off the terminal."""
-        if self._status is not None:
-            self._status.stop()
 
     def begin(self, stage: str, shape: tuple[int, int]) -> None:
         """Begin a stage on a grid of a shape; the history is that of the last stage."""
@@ -74,10 +54,11 @@ class Progress:
         step = Step(number, energy, gradient_norm, min_jacobian, self._stage, self._shape)
         self.history.append(step)
         self._call(step)
-        seconds = time.monotonic() - self._begin
-        if self._show and seconds > PATIENCE:
-            self._display(step)
-        if self._limit is not None and seconds > self._limit:
+        self.display(
+            f"{step.stage} {step.shape[0]} x {step.shape[1]}, iteration {step.iteration}, energy {step.energy:.6g}, "
+            f"gradient {step.gradient_norm:.2e}, smallest J {step.min_jacobian:.2e}"
+        )
+        if self._limit is not None and self.seconds > self._limit:
             raise StopRequest(f"the time limit of {self._limit:g} seconds is over")
 
     def _call(self, step: Step) -> None:
@@ -90,16 +71,3 @@ class Progress:
         except Exception as error:
             self.callback_error = error
             raise
-
-    def _display(self, step: Step) -> None:
-        text = (
-            f"{self._title}: {step.stage} {step.shape[0]} x {step.shape[1]}, iteration {step.iteration}, "
-            f"energy {step.energy:.6g}, "
-            f"gradient {step.gradient_norm:.2e}, smallest J {step.min_jacobian:.2e}"
-        )
-        if self._status is None:
-            from rich.console import Console
-
-            self._status = Console(stderr=True).status(text)
-            self._status.start()
-        self._status.update(text)

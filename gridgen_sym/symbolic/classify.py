@@ -18,7 +18,7 @@ from .continuous import euler_lagrange
 from .coordinates import FIRST_DERIVATIVES, Variant, epsilon, expand_metric, s, y_xi
 from .definiteness import Definiteness
 from .discrete import corner_model, has_barrier, variant_density
-from .ellipticity import Ellipticity, Type, determinant, ellipticity, principal_symbol, sampled_type
+from .ellipticity import Ellipticity, ellipticity
 from .invariance import (
     is_exchange_symmetric,
     is_logical_rotation_invariant,
@@ -26,6 +26,8 @@ from .invariance import (
     reparametrization_degrees,
     scaling_degree,
 )
+from .principal_symbol import determinant, principal_symbol
+from .random_jets import Type, sampled_type
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,9 +12,9 @@ from ..functionals.paper import PrintedEquation
 from .continuous import euler_lagrange
 from .coordinates import METRIC, SECOND_DERIVATIVES, J, expand_metric, s, x, x_eta, x_xi, y, y_eta, y_xi
 from .discrete import corner_model, variant_density
-from .ellipticity import principal_symbol
 from .errata import Finding
 from .notation import read
+from .principal_symbol import principal_symbol
 
 #: The unit cell and its mirror image: J = 1 and J = -1.
 _UNFOLDED = {x_xi: 1, y_xi: 0, x_eta: 0, y_eta: 1}

@@ -14,8 +14,8 @@ from .classify import Classification, classify
 from .continuous import EulerLagrange, euler_lagrange
 from .coordinates import FIRST_DERIVATIVES, Variant, s
 from .discrete import CornerModel, corner_model
-from .ellipticity import k1, k2
 from .equidistribution import equidistribution
+from .principal_symbol import k1, k2
 from .tidy import common_factor, paper_order, tidy, tidy_quadratic
 
 

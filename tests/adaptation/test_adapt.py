@@ -234,28 +234,15 @@ def test_the_history_tells_of_every_step():
     assert np.array_equal(result.values, two_scales(*result.grid.planes))
 
 
-def test_progress_is_shown_where_it_takes_long(monkeypatch):
-    shown = []
-
-    class Status:
-        def start(self):
-            shown.append("start")
-
-        def update(self, text):
-            shown.append(text)
-
-        def stop(self):
-            shown.append("stop")
-
-    monkeypatch.setattr("rich.console.Console.status", lambda console, text: Status())
+def test_progress_is_shown_where_it_takes_long(monkeypatch, live_line):
     gg.adapt(square(9), ring, steps=1, progress=True)
-    assert not shown, "it did not take long"
-    monkeypatch.setattr("gridgen_sym.adaptation.progress.PATIENCE", -1.0)
+    assert not live_line, "it did not take long"
+    monkeypatch.setattr("gridgen_sym.solvers.live.PATIENCE", -1.0)
     gg.adapt(square(9), ring, steps=1, progress=False)
-    assert not shown
+    assert not live_line
     gg.adapt(square(9), ring, steps=1, progress=True)
-    assert (shown[0], shown[-1], len(shown)) == ("start", "stop", 4)
-    assert shown[2].startswith("adapt, area_winslow: step 1, movement")
+    assert (live_line[0], live_line[-1], len(live_line)) == ("start", "stop", 4)
+    assert live_line[2].startswith("adapt, area_winslow: step 1, movement")
 
 
 def test_too_few_steps_are_told():

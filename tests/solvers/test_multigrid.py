@@ -183,10 +183,108 @@ def test_a_saddle_is_told_with_a_direction_away_from_it(make):
     assert direction @ matrix @ direction < 0
 
 
-def test_an_operator_with_bad_blocks_is_told():
-    planes, fixed = hessian((9, 12))
-    planes[0] = -1.0
-    assert not Multigrid(fixed).set_operator(planes)
+def test_a_cycle_that_fails_in_single_precision_is_given_up():
+    """Nearly flat cells: the condition is 1e9, and the cycle is not positive for every right-hand side."""
+    grid = gg.domain("swan", 5, 9)
+    problem = make_problem(grid, "modified_liao")
+    solver = Multigrid(problem.fixed)
+    assert solver.set_operator(problem.hessian(grid.planes.copy(), semidefinite=True))
+    for seed in range(6):
+        right = np.random.default_rng(seed).normal(size=(2, 5, 9)) * (problem.fixed == 0)
+        answer = solver.solve(right, 1e-6)
+        assert not answer.positive
+        assert answer.iterations <= 50
+
+
+def test_what_is_told_positive_is_so():
+    """Random stencils with definite blocks, on nodes of sizes from 0.01 to 100: half of the matrices are definite."""
+    shape, told = (6, 7), []
+    fixed = np.ones(shape, dtype=np.uint8)
+    fixed[1:-1, 1:-1] = 0
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        planes = random.choice((0.1, 0.25, 0.4)) * random.uniform(-1, 1, size=(19, *shape))
+        planes[[0, 2]] = 1.0
+        least = np.linalg.eigvalsh(assemble_hessian(planes, fixed).toarray())[0]  # Scaling keeps its sign.
+        size = 10.0 ** random.uniform(-2, 2, size=shape)
+        for (di, dj), first in (((0, 0), 0), *HESSIAN_NEIGHBORS):
+            planes[first : first + (4 if first else 3)] *= size * np.roll(size, (-di, -dj), (0, 1))
+        right = random.normal(size=(2, *shape)) * (fixed == 0)
+        solver = Multigrid(fixed)
+        if solver.set_operator(planes) and abs(least) > 1e-2:
+            told.append(solver.solve(right, 1e-10).positive)
+            assert told[-1] == (least > 0), seed
+    assert 10 <= sum(told) <= len(told) - 10
+
+
+@pytest.mark.parametrize(
+    ("make", "block"),
+    [
+        (Multigrid, [-1.0, 0.5, 1.0]),
+        (Multigrid, [-1.0, 0.5, -1.0]),
+        # Singular, but for the rounding of 0.49 to single precision.
+        (Multigrid, [1.0, 0.7, 0.49]),
+        (GeneralMultigrid, [1.0, 0.7, 0.7, 0.49]),
+    ],
+)
+def test_an_operator_with_bad_blocks_is_told(make, block):
+    planes, fixed = (hessian if make is Multigrid else jacobian)((4, 4))  # No coarser level would tell.
+    assert make(fixed).set_operator(planes.copy())
+    first = 0 if make is Multigrid else 16
+    planes[first : first + len(block)] = np.reshape(block, (-1, 1, 1))
+    assert not make(fixed).set_operator(planes)
+
+
+def strong_lines(make, shape):
+    """A stencil whose blocks are definite, but not all lines of nodes: random, with couplings as strong as blocks."""
+    fixed = np.ones(shape, dtype=np.uint8)
+    fixed[1:-1, 1:-1] = 0
+    fixed[5, 6] = 1
+    planes = np.random.default_rng(3).uniform(-0.9, 0.9, size=(19 if make is Multigrid else 36, *shape))
+    # At node (2, 2) the pivots are special, along xi and along eta: tiny, or singular.
+    if make is Multigrid:
+        planes[[0, 2]] = 1.0
+        planes[1, 1:3, 1:3] = 0.0
+        planes[0, 2, 2] = 1 + 2.0**-21
+        planes[3:7, 1, 2] = planes[7:11, 2, 1] = 1.0, 0.0, 0.0, 0.5
+    else:
+        planes[[16, 19]] = 1.0
+        planes[17:19, 1:3, 1:3] = 0.0
+        planes[16:20, 2, 2] = 2.0, 1.0, 1.0, 2.0
+        planes[28:32, 1, 2] = planes[4:8, 2, 2] = planes[20:24, 2, 1] = planes[12:16, 2, 2] = 1.0, 0.0, 0.0, 1.0
+    return planes, fixed
+
+
+@pytest.mark.parametrize("make", [Multigrid, GeneralMultigrid])
+def test_a_block_stands_in_for_a_pivot_that_is_not_definite(make):
+    """Else the cycle would not be definite where the Hessian is not, and negative curvature would not be met."""
+    planes, fixed = strong_lines(make, (12, 14))
+    multigrid = make(fixed)
+    multigrid.set_operator(planes)
+    level, reasons = multigrid.arrays[0], set()
+    matrix = dense(stencil(level)).reshape(12, 14, 2, 12, 14, 2)
+    stored = [0, 1, 1, 2] if make is Multigrid else [0, 1, 2, 3]
+    for pivots, (di, dj) in ((level.pivots_i, (1, 0)), (level.pivots_j, (0, 1))):
+        inverses = np.zeros((12, 14, 2, 2))
+        for i, j in np.argwhere(fixed == 0):
+            own, last = matrix[i, j, :, i, j], (i - di, j - dj)
+            pivot = own - matrix[i, j, :, *last] @ inverses[last] @ matrix[*last, :, i, j]
+            determinant, size = np.linalg.det(pivot), np.abs(pivot[0, 0] * pivot[1, 1])
+            if make is GeneralMultigrid:
+                reason = "singular" if abs(determinant) < 1e-7 * size else ""
+            elif (np.diag(pivot) <= 0).any():
+                reason = "negative"
+            elif determinant <= 0:
+                reason = "indefinite"
+            else:
+                reason = "tiny" if (np.diag(pivot) <= 1e-6 * np.diag(own)).any() else ""
+            reasons.add(reason)
+            inverses[i, j] = np.linalg.inv(own if reason else pivot)
+            found = pivots[i, stored, j].reshape(2, 2)
+            np.testing.assert_allclose(
+                found, inverses[i, j], rtol=1e-4, atol=1e-4 * np.abs(found).max(), err_msg=reason
+            )
+    assert reasons == {"", *(("negative", "indefinite", "tiny") if make is Multigrid else ("singular",))}
 
 
 @pytest.mark.skipif(not AIRFOIL.exists(), reason=NO_SHARED.format("domains/outlines"))

@@ -250,6 +250,19 @@ def test_the_callback_sees_every_step(method):
     assert tuple(steps) == result.history
 
 
+def test_progress_is_shown_where_it_takes_long(monkeypatch, live_line):
+    gg.optimize(mild_grid(), "winslow", "local", max_iterations=2, progress=True)
+    assert not live_line, "it did not take long"
+    monkeypatch.setattr("gridgen_sym.solvers.live.PATIENCE", -1.0)
+    gg.optimize(mild_grid(), "winslow", "local", max_iterations=2)
+    assert not live_line, "standard error is no terminal"
+    result = gg.optimize(mild_grid(), "winslow", "local", max_iterations=2, progress=True)
+    assert (live_line[0], live_line[-1], len(live_line)) == ("start", "stop", 5)
+    ni, nj = result.grid.shape
+    expected = f"winslow, local: minimize {ni} x {nj}, iteration 2, energy {result.energy:.6g}, gradient "
+    assert live_line[3].startswith(expected)
+
+
 @each_method
 def test_an_error_in_the_callback_comes_through(method):
     def stop(step):

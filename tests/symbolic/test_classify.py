@@ -11,7 +11,7 @@ from gridgen_sym.functionals.metric import symbol
 from gridgen_sym.symbolic import classify
 from gridgen_sym.symbolic.classify import equation_type
 from gridgen_sym.symbolic.coordinates import METRIC, J, expand_metric, g11, g12, g22
-from gridgen_sym.symbolic.ellipticity import k1, k2
+from gridgen_sym.symbolic.principal_symbol import k1, k2
 
 # linear, coupled, type, proof, scaling degree, lower bound, barrier
 KNOWN = {

@@ -59,6 +59,7 @@ static double step(const Level *level, Team team, Vectors w, double length, cons
 /* r = shadow = r - A x with the solution so far, whose residual has drifted from the r of the recursion; returns r.r */
 static double restart(const Level *level, Team team, Vectors w, const double *right) {
   const int64_t S = level->stride, width = 2 * S;
+  wait_for(team); /* another thread may still be summing the norms of the last step */
   take_vector(level, team, right, w.r);
   ROWS(level, team, i) {
     const int64_t n = i * width;

@@ -98,7 +98,8 @@ static int64_t iterate(const Level *levels, int64_t count, Team team, Vectors v,
 
 /* Solve A solution = factor right to a relative residual, A being the finest level's; right and solution are planes
  * (2, ni, nj), zero at fixed nodes. work has room for 4 vectors, then for 3 ni numbers. Returns the number of iterations,
- * negative if a direction without positive curvature was met: that direction is then the solution. */
+ * negative if a direction without positive curvature was met, or a residual along which the V-cycle is not positive (in
+ * single precision it need not be, on nearly flat cells): the last direction is then the solution. */
 EXPORT int64_t solve(const Level *levels, int64_t count, const double *right, double *solution, double *work,
                      double tolerance, int64_t limit, double factor, double *reduction) {
   const Vectors v = vectors_in(levels, work);

@@ -25,35 +25,31 @@ static void compute_residual(const Level *level, Team team) {
   wait_for(team);
 }
 
-/* middle += below low + above high */
-APART void gather_rows(const float *restrict low, const float *restrict high, float *restrict middle, int64_t count,
-                       float below, float above) {
+/* The transposed interpolation of two rows where the rows were halved. */
+APART void gather_rows(const float *restrict low, const float *restrict high, float *restrict middle, int64_t count) {
 #pragma omp simd
-  for (int64_t j = 0; j < count; ++j) middle[j] += below * low[j] + above * high[j];
+  for (int64_t j = 0; j < count; ++j) middle[j] += 0.5f * (low[j] + high[j]);
 }
 
-/* The same along a row, where the columns were halved; the last two coarse columns need not lie two fine ones apart. */
-APART void gather_columns(const float *restrict from, float *restrict to, int64_t fine_nj, int64_t nj) {
-  const int whole = node_between(nj - 2, nj, fine_nj);
+/* The same along a row, where the columns were halved. */
+APART void gather_columns(const float *restrict from, float *restrict to, int64_t nj) {
 #pragma omp simd
-  for (int64_t j = 1; j < nj - 2; ++j) to[j] = from[2 * j] + 0.5f * (from[2 * j - 1] + from[2 * j + 1]);
-  const int64_t q = 2 * (nj - 2);
-  to[nj - 2] = from[q] + 0.5f * (from[q - 1] + (whole ? from[q + 1] : 0.0f));
+  for (int64_t j = 1; j < nj - 1; ++j) to[j] = from[2 * j] + 0.5f * (from[2 * j - 1] + from[2 * j + 1]);
 }
 
-/* The coarse right-hand side is the transposed interpolation of the residual, which is changed. */
+/* The coarse right-hand side is the transposed interpolation of the residual, which is changed. Where the last two coarse
+ * rows or columns are neighbors on the fine level, what lies beyond the last but one is the boundary, with residual 0. */
 static void restrict_residual(const Level *fine, const Level *coarse, Team team) {
   const int64_t S = fine->stride, C = coarse->stride, nj = coarse->nj;
   ROWS(coarse, team, i) {
-    const int below = node_between(i - 1, coarse->ni, fine->ni), above = node_between(i, coarse->ni, fine->ni);
     float *row = fine->work + 2 * S * fine_index(i, coarse->ni, fine->ni), *to = coarse->right + 2 * C * i;
     const uint8_t *fixed = coarse->fixed + i * nj;
-    if (below || above) gather_rows(row - 2 * S, row + 2 * S, row, 2 * S, below ? 0.5f : 0.0f, above ? 0.5f : 0.0f);
+    if (coarse->ni != fine->ni) gather_rows(row - 2 * S, row + 2 * S, row, 2 * S);
     for (int c = 0; c < 2; ++c) {
       if (nj == fine->nj)
         memcpy(to + c * C + 1, row + c * S + 1, (nj - 2) * sizeof(float));
       else
-        gather_columns(row + c * S, to + c * C, fine->nj, nj);
+        gather_columns(row + c * S, to + c * C, nj);
       for (int64_t j = 1; j < nj - 1; ++j) to[c * C + j] = fixed[j] ? 0.0f : to[c * C + j];
     }
   }

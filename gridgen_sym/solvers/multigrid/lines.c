@@ -72,7 +72,7 @@ static void relax_along_j(const Level *level, Team team, int parity, int from_ze
   wait_for(team);
 }
 
-/* ---- along i: row after row, for all columns at once; every second one is kept ---- */
+/* ---- along i: row after row, for all columns at once; every second one is kept, from `begin` on ---- */
 
 APART void eliminate_row(const float *restrict a, const float *restrict p, const float *restrict right,
                          const float *restrict x, const float *restrict before, float *restrict g, int64_t begin,
@@ -92,9 +92,7 @@ APART void eliminate_row(const float *restrict a, const float *restrict p, const
 }
 
 APART void substitute_row(const float *restrict a, const float *restrict p, const float *restrict g,
-                          const float *restrict above, float *restrict x, int64_t begin, int64_t end, int parity,
-                          int64_t S) {
-  const int odd = (begin + parity) % 2 == 0; /* of the columns 1 + parity, 3 + parity, ... */
+                          const float *restrict above, float *restrict x, int64_t begin, int64_t end, int64_t S) {
 #pragma omp simd
   for (int k = 0; k < (int)(end - begin); ++k) {
     const int64_t j = begin + k;
@@ -102,15 +100,18 @@ APART void substitute_row(const float *restrict a, const float *restrict p, cons
     const float uy = NEXT_I(a, 2) * above[j] + NEXT_I(a, 3) * above[S + j];
     const float to_x = g[j] - PIVOT(p, 0) * ux - PIVOT(p, 1) * uy;
     const float to_y = g[S + j] - PIVOT(p, 2) * ux - PIVOT(p, 3) * uy;
-    if (k % 2 == odd) x[j] = to_x, x[S + j] = to_y;
+    if (k % 2 == 0) x[j] = to_x, x[S + j] = to_y;
   }
 }
 
-/* Relax the lines along i in columns 1 + parity, 3 + parity, ... */
+/* Relax the lines along i in columns 1 + parity, 3 + parity, ... A thread goes from the first to the last of its own: the
+ * columns of others that it reads next to them are not written meanwhile. */
 static void relax_along_i(const Level *level, Team team, int parity) {
   const int64_t ni = level->ni, S = level->stride, V = 2 * S;
-  const int64_t begin = 1 + share(level->nj - 2, team.rank, team.size);
-  const int64_t end = 1 + share(level->nj - 2, team.rank + 1, team.size);
+  int64_t begin = 1 + share(level->nj - 2, team.rank, team.size);
+  int64_t end = 1 + share(level->nj - 2, team.rank + 1, team.size);
+  begin += (begin + 1 + parity) % 2;
+  end -= (end - begin) % 2 == 0;
   for (int64_t i = 1; i < ni - 1; ++i) {
     float *g = level->work + i * V;
     eliminate_row(level->operator+ i * PLANES * S, level->pivots_i + i * PIVOTS * S, level->right + i * V,
@@ -119,7 +120,7 @@ static void relax_along_i(const Level *level, Team team, int parity) {
   for (int64_t i = ni - 2; i > 0; --i) {
     float *x = level->solution + i * V;
     substitute_row(level->operator+ i * PLANES * S, level->pivots_i + i * PIVOTS * S, level->work + i * V, x + V, x, begin,
-                   end, parity, S);
+                   end, S);
   }
   wait_for(team);
 }

@@ -97,7 +97,7 @@ INLINE Block invert_pivot(Block own, Block down, Block previous, Block up, int f
                  own.yx - down.yx * t.xx - down.yy * t.yx, own.yy - down.yx * t.xy - down.yy * t.yy};
   const int stands = is_usable(pivot) && (!SYMMETRIC || (pivot.xx > 1e-6 * own.xx && pivot.yy > 1e-6 * own.yy));
   pivot = stands ? pivot : own;
-  const double scale = !fixed && is_usable(own) ? 1.0 / (pivot.xx * pivot.yy - pivot.xy * pivot.yx) : 0.0;
+  const double scale = !fixed ? 1.0 / (pivot.xx * pivot.yy - pivot.xy * pivot.yx) : 0.0;
   return (Block){scale * pivot.yy, -scale * pivot.xy, -scale * pivot.yx, scale * pivot.xx};
 }
 
