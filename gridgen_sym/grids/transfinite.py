@@ -93,11 +93,14 @@ def _coons(b: FloatArray, t: FloatArray, le: FloatArray, r: FloatArray) -> Float
     # in the processor's cache.
     for c, plane in enumerate(planes):
         with np.errstate(over="ignore", invalid="ignore"):  # Grid() reports what overflows.
-            low, high = ((1 - u) * b[end, c] + u * t[end, c] for end in (0, -1))
+            # Bottom and top without what left and right give at their corners.
+            low, high = (side[:, None, c] - (1 - s) * side[0, c] - s * side[-1, c] for side in (b, t))
             for begin in range(0, len(b), _ROWS):
                 k = slice(begin, begin + _ROWS)
-                plane[k] = (1 - u) * b[k, None, c] + u * t[k, None, c] + (1 - s[k]) * le[:, c] + s[k] * r[:, c]
-                plane[k] -= (1 - s[k]) * low + s[k] * high
+                np.multiply(u, high[k] - low[k], out=plane[k])
+                plane[k] += low[k]
+                plane[k] += s[k] * (r[:, c] - le[:, c])
+                plane[k] += le[:, c]
         plane[0], plane[-1] = le[:, c], r[:, c]
         plane[:, 0], plane[:, -1] = b[:, c], t[:, c]
     return planes

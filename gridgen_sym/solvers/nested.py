@@ -17,7 +17,7 @@ from .prolongation import coarse_start, finer_start, from_boundary
 from .untangle import unfold
 
 #: A direction with this many cells is not halved further.
-_FEWEST_CELLS = 8
+_FEWEST_CELLS = 16
 #: How well a coarse problem is solved: its solution is only a start for the next.
 _TOLERANCE, _STEPS = 1e-3, 30
 

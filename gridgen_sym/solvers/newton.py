@@ -27,6 +27,8 @@ _STALLED, _STALLS = 0.5, 2
 _STEEP, _POOR = 5e-3, 0.25
 #: Factor by which the gradient falls in a window, and Newton steps there.
 _WINDOW, _WINDOW_STEPS = 3e-1, 40
+#: A factor for the gradient to fall by that no rounding is in the way of.
+_MODEST = 1e-1
 #: Relative residuals of the linear solves, and that of the last one.
 _LOOSEST, _TIGHTEST, _LAST = 0.1, 1e-3, 1e-5
 
@@ -74,7 +76,9 @@ def minimize(
     scale = problem.gradient_scale(coordinates, point.energy)
     first = min(reference or point.norm, scale or point.norm)
     progress.step(0, point.energy, point.norm, point.smallest)
-    floor, round_off = jacobian_floor(point.smallest), problem.round_off(coordinates, point.gradient)
+    floor = jacobian_floor(point.smallest)
+    # Who asks for little will not come near to rounding.
+    round_off = problem.round_off(coordinates, point.gradient) if tolerance < _MODEST else 0.0
     state = _Newton(problem, solver or hessian_solver(problem.fixed, problem.kernels.backend), semidefinite)
     cut, held_back, extent, trial = 0, 0, float(np.ptp(coordinates)), np.empty_like(coordinates)
     for iteration in range(max_iterations + 1):

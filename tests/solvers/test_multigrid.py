@@ -322,7 +322,7 @@ def test_any_shape_is_solved(domain, shape):
 
 
 def test_nested_shapes_end_with_the_grids_own():
-    assert coarse_shapes((65, 65)) == [(9, 9), (17, 17), (33, 33), (65, 65)]
+    assert coarse_shapes((65, 65)) == [(17, 17), (33, 33), (65, 65)]
     assert coarse_shapes((7, 40))[-1] == (7, 40)
     assert all(shape[0] == 7 for shape in coarse_shapes((7, 40)))
 
