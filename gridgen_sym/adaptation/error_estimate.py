@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import GridgenError
-from ..grids import Grid, corner_jacobians
+from ..grids import Grid
 from ..runtime import Array
+from .equidistribution import cell_areas, cell_means
 from .recovery import from_inside, nodal_values, recover_gradient
 
 _GAUSS = (0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12))
@@ -56,11 +57,10 @@ def hierarchical_error(grid: Grid, values: npt.ArrayLike) -> Array:
     for axis in (1, 2):
         second = from_inside(_second_difference(fields, axis), axis)
         bend = second[0] - gradient[0] * second[1] - gradient[1] * second[2]
-        curvatures.append((bend[1:, 1:] + bend[:-1, 1:] + bend[1:, :-1] + bend[:-1, :-1]) / 4)
+        curvatures.append(cell_means(bend))
     a, b = curvatures
-    area = corner_jacobians(grid.x, grid.y).mean(axis=0)
     # The integrals of (xi(1-xi))² and of xi(1-xi) eta(1-eta) over the unit square are 1/30 and 1/36.
-    return np.asarray(np.sqrt(area * ((a**2 + b**2) / 120 + a * b / 72)))
+    return np.asarray(np.sqrt(cell_areas(grid) * ((a**2 + b**2) / 120 + a * b / 72)))
 
 
 def richardson_error(grid: Grid, values: npt.ArrayLike, coarse_values: npt.ArrayLike, *, order: float = 2.0) -> Array:

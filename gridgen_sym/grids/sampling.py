@@ -84,9 +84,9 @@ def _chosen_vertices(line: FloatArray, length: FloatArray, cells: int) -> tuple[
         first = min(m - 1, int(np.searchsorted(place, place[m] - _REACH)))
         earlier = np.unique(np.concatenate(([0], np.arange(first, m))))
         number = nodes[m][None, None] - nodes[earlier][:, :, None]  # Cells: (earlier, offset there, offset here).
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):  # No cells at all have no logarithm, and are not taken.
             log = np.log((place[m] - place[earlier])[:, None, None] / number)
-            stretched = np.where((number >= 1) & (np.abs(log) <= np.log(_STRETCH)), number * log**2, np.inf)
+            stretched = np.where(np.abs(log) <= np.log(_STRETCH), number * log**2, np.inf)
         step = stretched + (passed[m] - passed[earlier + 1])[:, None, None]
         total = (cost[earlier][:, :, None] + step).reshape(-1, len(offsets))
         best = total.argmin(axis=0)

@@ -42,20 +42,28 @@ def test_units_of_the_solution_do_not_matter(measure, scale, offset):
     np.testing.assert_allclose(gg.Monitor(measure).density(SQUARE, scale * (u + offset)), plain, rtol=accuracy)
 
 
+def same_but_for_intensity(density, expected):
+    ratio = (density - 1) / expected
+    np.testing.assert_allclose(ratio, ratio.mean(), rtol=0.05)
+
+
 def test_formulas():
-    """u = x³/6 on the uniform grid: slopes and second derivatives are known."""
+    """u = x³/6 on the uniform grid: slopes and second derivatives are known, and the errors that follow from them."""
     x = SQUARE.x
-    monitors = {name: gg.Monitor(name, share=0.5, smoothing=0) for name in ("gradient", "arc_length", "curvature")}
-    found = {name: monitor.density(SQUARE, x**3 / 6)[4:-4] for name, monitor in monitors.items()}
+    found = {name: gg.Monitor(name, share=0.5, smoothing=0).density(SQUARE, x**3 / 6)[4:-4] for name in MEASURES}
     slope, inside = x[4:-4] ** 2 / 2, x[4:-4]
+    same_but_for_intensity(found["gradient"], slope)
+    same_but_for_intensity(found["arc_length"] ** 2, slope**2)
+    same_but_for_intensity(found["curvature"], inside**0.4)
+    same_but_for_intensity(found["recovery_error"], inside ** (2 / 3))
+    same_but_for_intensity(found["hierarchical_error"], inside**0.4)
 
-    def same_but_for_intensity(value, expected):
-        ratio = value / expected
-        np.testing.assert_allclose(ratio, ratio.mean(), rtol=0.05)
 
-    same_but_for_intensity(found["gradient"] - 1, slope)
-    same_but_for_intensity(found["arc_length"] ** 2 - 1, slope**2)
-    same_but_for_intensity(found["curvature"] - 1, inside**0.4)
+def test_the_mixed_derivative_counts_twice():
+    inside = SQUARE.planes[:, 4:-4, 4:-4]
+    u = SQUARE.x**3 / 6 + SQUARE.x * SQUARE.y**2
+    density = gg.Monitor("curvature", share=0.5, smoothing=0).density(SQUARE, u)[4:-4, 4:-4]
+    same_but_for_intensity(density, (5 * inside[0] ** 2 + 8 * inside[1] ** 2) ** 0.2)
 
 
 def test_values_are_the_density_itself():

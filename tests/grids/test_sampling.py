@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise, product
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +14,7 @@ from support_boundaries import SEEDS, closed_curves, star_polygon
 import gridgen_sym as gg
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.grids.corners import automatic_corners, corner_penalty
-from gridgen_sym.grids.sampling import arc_lengths, sample
+from gridgen_sym.grids.sampling import arc_lengths, sample, turns_at
 
 OUTLINES = SHARED / "domains" / "outlines"
 
@@ -57,6 +59,52 @@ def test_spacing_varies_smoothly_and_ends_are_kept(seed, points, count, flatness
     assert sample(straight, count, "features") == pytest.approx(sample(straight, count, "equal"))
 
 
+def cost_of(places, worth, chosen):
+    """The cost of a choice {vertex: node}, as the module `sampling` defines it; infinite if it is not allowed."""
+    vertices = sorted(chosen)
+    cells = np.diff([chosen[v] for v in vertices])
+    if (cells < 1).any() or any(abs(node - np.rint(places[v])) > 3 for v, node in chosen.items()):
+        return np.inf
+    log = np.log(np.diff(places[vertices]) / cells)
+    if (np.abs(log) > np.log(1.5)).any():
+        return np.inf
+    return (cells * log**2).sum() + sum(worth[v] for v in range(len(places)) if v not in chosen)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_cheapest_choice_of_vertices_is_taken(seed):
+    """All choices are tried, of polylines with a few turns, some blunt, some nearer to each other than a cell."""
+    random = np.random.default_rng(seed)
+    cells, steps = 12, random.choice((0.3, 0.8, 2.0, 3.0), 5) * random.uniform(0.8, 1.2, 5)
+    direction = np.cumsum(np.radians(random.uniform(10, 70, 5)) * random.choice((-1, 1), 5))
+    line = np.cumsum([[0, 0], *np.stack((steps * np.cos(direction), steps * np.sin(direction)), axis=1)], axis=0)
+    length = arc_lengths(line)
+    turn = np.abs(turns_at(line, length, length, length[-1] / cells))
+    places = length / length[-1] * cells
+    near = np.abs(places[1:-1, None] - places[1:-1]) <= 1 / 3
+    sharpest = turn[1:-1] == np.where(near, turn[1:-1], 0).max(axis=1)
+    sharp = [k for k in range(1, 5) if turn[k] >= np.radians(20) and sharpest[k - 1]]
+    places, worth = places[[0, *sharp, 5]], [0, *turn[sharp] ** 2, 0]
+    side = sample(line, cells + 1, "features")
+    found = {v: int(k) for v, at in enumerate(line[[0, *sharp, 5]]) for k in np.flatnonzero((side == at).all(axis=1))}
+    options = [[None, *(int(np.rint(place)) + shift for shift in range(-3, 4))] for place in places[1:-1]]
+    best = min(
+        cost_of(places, worth, {0: 0, len(places) - 1: cells} | {v: k for v, k in enumerate(nodes, 1) if k is not None})
+        for nodes in product(*options)
+    )
+    assert cost_of(places, worth, found) == pytest.approx(best, abs=1e-12)
+
+
+def test_two_near_vertices_far_from_all_others_do_not_end_the_search():
+    """The one that is nearer to the end has only the other before it within reach, and cannot be reached from there."""
+    bend = np.radians([0, 25, 50])
+    steps = np.array([40.8, 0.4, 23.8])
+    line = np.cumsum([[0, 0], *np.stack((steps * np.cos(bend), steps * np.sin(bend)), axis=1)], axis=0)
+    side = sample(line, 66, "features")
+    assert [int(np.flatnonzero((side == at).all(axis=1))[0]) for at in line[[0, 3]]] == [0, 65]
+    assert sum((side == at).all(axis=1).any() for at in line[1:3]) == 1
+
+
 def test_a_smooth_curve_is_sampled_at_equal_arc_length():
     angle = np.linspace(0, 2, 400)
     line = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
@@ -91,6 +139,8 @@ def test_a_straight_corner_moves_to_the_nearest_convex_turn(capsys):
 
 def test_a_good_corner_does_not_move():
     assert gg.Outline(NOTCHED, (0, 4, 6, 7)).choose_corners(31, 16).moved == ()
+    blunt = np.array([[0, 0], [6, 0], [6.3, 1.5], [6, 3], [0, 3]])
+    assert gg.Outline(blunt, (0, 2, 3, 4)).choose_corners(31, 16).moved == ()
 
 
 def test_automatic_corners_are_those_of_a_rectangle():
@@ -104,6 +154,54 @@ def test_automatic_corners_are_those_of_a_rectangle():
     assert rectangle.choose_corners(61, 31).penalty == pytest.approx(0, abs=1e-12)
     # The longer direction gets the more cells.
     assert rectangle.choose_corners(31, 61, "auto").corners in ((1, 2, 3, 0), (3, 0, 1, 2))
+
+
+def angle_seen(points, vertex, reach):
+    """The inner angle in degrees between the points that are a way of `reach` along the polygon from a vertex."""
+    ends = []
+    for order in (1, -1):
+        way, here, k = reach, points[vertex], vertex
+        while True:
+            k = (k + order) % len(points)
+            step = np.hypot(*(points[k] - here))
+            if step >= way:
+                ends.append((points[k] - here) * way / step + here - points[vertex])
+                break
+            way, here = way - step, points[k]
+    ahead, behind = (complex(*end) for end in ends)
+    return np.degrees(np.angle(behind / ahead)) % 360
+
+
+@given(SEEDS, st.integers(5, 30), st.integers(3, 40), st.integers(3, 40))
+@settings(max_examples=40)
+def test_the_penalty_is_that_of_its_definition(seed, count, ni, nj):
+    points = star_polygon(seed, count, 0.3)
+    corners = np.arange(4) * len(points) // 4
+    perimeter = np.hypot(*np.diff(points, axis=0, append=points[:1]).T).sum()
+    expected = 0.0
+    for corner in corners:
+        narrow, wide = (angle_seen(points, corner, perimeter / cells) for cells in (2 * (ni + nj) - 4, 24))
+        expected += ((narrow + wide) / 2 / 90 - 1) ** 2 + 25 * max(narrow - 150, 0) ** 2 / 900
+    sides = [points[first : last + 1] for first, last in pairwise(corners)]
+    sides.append(np.concatenate((points[corners[3] :], points[:1])))
+    bottom, right, top, left = (np.hypot(*np.diff(side, axis=0).T).sum() for side in sides)
+    expected += np.log(bottom / top) ** 2 + np.log(left / right) ** 2
+    expected += np.log((bottom + top) / (ni - 1) / (left + right) * (nj - 1)) ** 2 / 4
+    assert corner_penalty(points, corners[None], ni, nj)[0] == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+def test_sides_that_rounding_leaves_nothing_of_cannot_be_chosen():
+    points = np.array([[-1, 0], [0, 0], [1e-30, 0], [1, 0], [1, 1], [0, 1], [0, 1 + 1e-16], [-1, 1]])
+    assert corner_penalty(points, np.array([[1, 2, 5, 6]]), 9, 9)[0] == np.inf
+
+
+@pytest.mark.parametrize("degrees", range(0, 90, 7))
+def test_of_equal_numberings_the_one_that_starts_nearest_to_the_start_is_taken(degrees):
+    turn = np.exp(1j * np.radians(degrees)) * np.array([0, 1, 1 + 1j, 1j])
+    square = np.stack((turn.real, turn.imag), axis=1)
+    assert gg.Outline(square, "auto").choose_corners(9, 9, "auto").corners == (0, 1, 2, 3)
+    late = np.concatenate((0.9 * square[:1] + 0.1 * square[1:2], square[1:], square[:1]))
+    assert automatic_corners(late, 9, 9) == (4, 1, 2, 3)
 
 
 def test_automatic_corners_of_a_circle_balance_its_sides():
