@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
-from ..grids import Grid, certificates, corner_jacobians
+from ..grids import Certificate, Grid, certificates, corner_jacobians
 from ..grids.grid import check_grid
 from ..runtime import Array, KernelSet, Mask, kernels
 from .progress import Callback, Progress
@@ -261,10 +261,9 @@ def check_controls(
         raise GridgenError(f"time_limit must be a positive number of seconds; came {time_limit!r}")
 
 
-def proofs_text(grid: Grid) -> str:
-    """Return the proofs that no valid grid has this boundary, as a sentence; nothing where there are none."""
-    proofs = [str(proof) for proof in certificates(grid)]
-    return f"With this boundary {'; '.join(proofs)}." if proofs else ""
+def proofs_text(proofs: Sequence[Certificate]) -> str:
+    """Return the proofs that no valid grid has a boundary, as a sentence; nothing where there are none."""
+    return f"With this boundary {'; '.join(map(str, proofs))}." if proofs else ""
 
 
 def result_of(
@@ -275,19 +274,27 @@ def result_of(
     message: str,
     *,
     interrupted: bool = False,
+    proofs: tuple[Certificate, ...] | None = None,
 ) -> Result:
-    """Return what a solver found, with what must be said of folded cells and of the weight."""
+    """Return what a solver found, with what must be said of folded cells, if it is not yet, and of the weight.
+
+    `proofs` are the certificates of a grid that stayed folded; None to look for those that need no search.
+    """
+    grid = Grid.from_planes(coordinates[0], coordinates[1])
     energy, smallest = problem.energy(coordinates)
-    if not smallest > 0 and "folded (J" not in message:
+    if smallest > 0:
+        proofs = ()
+    elif proofs is None:
+        proofs = certificates(grid)
         folded = int((corner_jacobians(coordinates[0], coordinates[1]) <= 0).any(axis=0).sum())
-        message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded."
-        message += f" {proofs_text(Grid.from_planes(*coordinates))}"
+        message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {proofs_text(proofs)}"
     return Result(
-        grid=Grid.from_planes(coordinates[0], coordinates[1]),
+        grid=grid,
         converged=converged,
         message=(message + problem.caution(coordinates)).strip(),
         iterations=max(len(report.history) - 1, 0),
         energy=energy,
         history=tuple(report.history),
         interrupted=interrupted,
+        certificates=proofs,
     )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..functionals.definition import Functional
-from ..grids import Grid, corner_jacobians, quality
+from ..grids import Certificate, Grid, certificates, corner_jacobians, quality
 from ..runtime import Array
 from .lift import lift
 from .nested import Nested, worth_nesting
@@ -30,6 +30,7 @@ class Run:
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
         said: what to say before the solver's own message.
+        proofs: that no valid grid has this boundary, where untangling could not find one; None if that did not happen.
     """
 
     problem: Problem
@@ -40,6 +41,7 @@ class Run:
     report: Progress
     reference: float | None = None
     said: str = ""
+    proofs: tuple[Certificate, ...] | None = None
 
     @property
     def to_untangle(self) -> bool:
@@ -105,13 +107,20 @@ class Run:
         told = "this is the start."
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
-        proofs = proofs_text(grid) or "No proof was found that there is no valid grid."
-        return f"{told} {quality(grid).describe_folds()}\n{proofs}"
+        self.proofs = certificates(grid, search=True)
+        said = proofs_text(self.proofs) or "No proof was found that there is no valid grid."
+        return f"{told} {quality(grid).describe_folds()}\n{said}"
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:
         """Return what the run has found."""
         return result_of(
-            self.problem, self.coordinates, self.report, converged, self.said + message, interrupted=interrupted
+            self.problem,
+            self.coordinates,
+            self.report,
+            converged,
+            self.said + message,
+            interrupted=interrupted,
+            proofs=self.proofs,
         )
 
 
