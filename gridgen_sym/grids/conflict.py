@@ -1,0 +1,191 @@
+"""The search for a proof that no valid grid exists: contract the places of nodes, and then tell cases apart.
+
+A node's place is cut in two halves. If no valid grid has the node in one of them, which contraction shows, the other
+half is its place. If that leads no further for any node, both halves of one are followed up, each by itself: a tree
+of cases, whose every leaf must be a contradiction.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .grid import FloatArray, Grid, corner_jacobians
+from .lattice import Polygon, doubled_area, halves
+from .neck import Node
+from .places import Network, OutOfWork, Places
+
+#: Corners that may be looked at in the search for a proof.
+WORK = 40_000
+#: To show that still fewer cells conflict: so many times the work of the proof that is known, each time and in all.
+_PATIENCE = (2, 10)
+#: Cells up to so many cells from a folded one are looked at, at first and then.
+_LAYERS = (3, 9)
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """Cells that cannot all be valid, wherever the inner nodes are.
+
+    Attributes:
+        cells: each by its first node (i, j).
+        work: how many corners had to be looked at to prove it.
+    """
+
+    cells: tuple[Node, ...]
+    work: int
+
+
+def find_conflict(grid: Grid, work: int = WORK) -> Conflict | None:
+    """Search near the folded cells of a grid for cells that cannot all be valid with its boundary nodes.
+
+    Args:
+        grid: any grid; its folds are hints where to search, and the less folded it is, the better. Where else its
+            inner nodes are does not matter.
+        work: how many corners may be looked at, which bounds the time.
+
+    Returns:
+        Cells that cannot all be valid: few enough to be looked at. None if no proof was found.
+    """
+    before: set[Node] = set()
+    for layers in _LAYERS:
+        cells = _near_folds(grid, layers)
+        if cells and cells != before:
+            found = contracted_places(grid, cells, work)
+            if isinstance(found, Conflict):
+                return _fewest(grid, found)
+        before = cells
+    return None
+
+
+def contracted_places(
+    grid: Grid, cells: Iterable[Node] | None = None, work: int = WORK
+) -> dict[Node, FloatArray] | Conflict:
+    """Return where each inner node of some cells lies in every valid grid with the same boundary nodes, or a proof.
+
+    Args:
+        grid: any grid with the boundary nodes; its inner nodes do not matter.
+        cells: each by its first node (i, j); all cells if None. Only their corners are looked at.
+        work: how many corners may be looked at.
+
+    Returns:
+        For each inner node of the cells a convex polygon (n, 2), counter-clockwise, that contains it; a node may have
+        places in it that are impossible. Or the cells that cannot all be valid.
+    """
+    ni, nj = grid.shape
+    every = [(i, j) for i in range(ni - 1) for j in range(nj - 1)]
+    network = Network(grid, every if cells is None else cells, work)
+    places = network.start.copy()
+    try:
+        why = _contradiction(network, places)
+    except OutOfWork:
+        why = None
+    if why is not None:
+        return Conflict(network.named(why), work - network.work)
+    return {node: network.lattice.coordinates(places[node][0]) for node in network.free}
+
+
+def _near_folds(grid: Grid, layers: int) -> set[Node]:
+    """Return the cells up to some cells from a folded one."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        folded = np.argwhere(~(corner_jacobians(grid.x, grid.y) > 0).all(axis=0))
+    near = np.zeros((grid.shape[0] - 1, grid.shape[1] - 1), dtype=bool)
+    for i, j in folded:
+        near[max(i - layers, 0) : i + layers + 1, max(j - layers, 0) : j + layers + 1] = True
+    return {(int(i), int(j)) for i, j in np.argwhere(near)}
+
+
+def _contradiction(network: Network, places: Places) -> int | None:
+    """Return cells, as bits, that cannot all be valid, or None where no case can be told apart any more.
+
+    Raises:
+        OutOfWork: `places` hold what is known in all cases.
+    """
+    why = network.contract(places)
+    if why is not None:
+        return why
+    cases, why = [places], 0
+    while cases:
+        outcome = _tell_apart(network, cases.pop())
+        if outcome is None:
+            return None
+        if isinstance(outcome, int):
+            why |= outcome
+        else:
+            cases += outcome
+    return why
+
+
+def _tell_apart(network: Network, places: Places) -> int | list[Places] | None:
+    """Cut the places of nodes in halves as long as one half is impossible, in place; then return both cases of one.
+
+    Returns:
+        The cells, as bits, of a contradiction; or two cases of which one is true; or None if nothing can be cut.
+    """
+    frame = _moments(network.hull)
+    learned = True
+    while learned:
+        learned, best, most = False, None, 0.0
+        for node in network.free:
+            cases: list[Places] = []
+            impossible = 0
+            for half in halves(places[node][0], _across(places[node][0], frame)):
+                case = places.copy()
+                case[node] = (half, places[node][1] | impossible)
+                why = network.contract(case, node)
+                if why is None:
+                    cases.append(case)
+                else:
+                    impossible |= why
+            if not cases:
+                return impossible
+            if len(cases) == 1:
+                _learn(places, cases[0], impossible)
+                learned = True
+            elif (told := min(_told(places, case) for case in cases)) > most:
+                best, most = cases, told
+    return best
+
+
+def _learn(places: Places, case: Places, why: int) -> None:
+    """Take what holds in the only possible case, for the reasons that there are and those that exclude the other."""
+    for node, (region, reasons) in case.items():
+        if region is not places[node][0]:
+            places[node] = (region, reasons | why)
+
+
+def _told(places: Places, case: Places) -> float:
+    """Return how much smaller the places are in a case, as a sum of logarithms of areas."""
+    pairs = ((places[node][0], region) for node, (region, _) in case.items() if region is not places[node][0])
+    return sum(math.log(max(doubled_area(whole), 1) / max(doubled_area(part), 1)) for whole, part in pairs)
+
+
+def _across(region: Polygon, frame: FloatArray) -> tuple[int, int]:
+    """Return the direction across the longest extent of a region, lengths being measured by second moments `frame`."""
+    unit = np.linalg.cholesky(frame)
+    seen = np.linalg.solve(unit, np.linalg.solve(unit, _moments(region)).T)
+    normal = np.linalg.solve(unit.T, np.linalg.eigh(seen)[1][:, 1])
+    size = float(np.abs(normal).max())
+    return round(-normal[1] / size * 2.0**30), round(normal[0] / size * 2.0**30)
+
+
+def _moments(region: Polygon) -> FloatArray:
+    """Return the second moments (2, 2) of a polygon's corners round their middle, up to a factor."""
+    x0, y0 = region[0]
+    size = max(max(abs(x - x0), abs(y - y0)) for x, y in region) or 1
+    points = np.array([((x - x0) / size, (y - y0) / size) for x, y in region])
+    return np.asarray(np.cov(points.T))
+
+
+def _fewest(grid: Grid, conflict: Conflict) -> Conflict:
+    """Leave out cells of a conflict as long as the others still conflict, and that is shown with as little work."""
+    kept, each, left = conflict.cells, *(factor * conflict.work for factor in _PATIENCE)
+    for cell in conflict.cells:
+        if cell in kept and left > 0:
+            fewer = contracted_places(grid, [other for other in kept if other != cell], each)
+            left -= fewer.work if isinstance(fewer, Conflict) else each
+            kept = fewer.cells if isinstance(fewer, Conflict) else kept
+    return Conflict(kept, conflict.work)
