@@ -81,7 +81,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     if output:
         result.grid.write(output)
         say(quiet, f"wrote {output}")
-    certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result.message)
+    certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result)
     if result.interrupted:
         raise click.exceptions.Exit(130)
     if not result.quality.valid:
@@ -145,14 +145,19 @@ def _report(result: Result, quiet: bool) -> None:
         click.secho(result.quality.describe_folds(), fg="red", err=True)
 
 
-def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, said: str = "") -> None:
-    """Say of a folded grid which proofs there are that its boundary admits no valid one, and draw it, or these."""
+def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, result: Result | None = None) -> None:
+    """Say of a folded grid which proofs there are that its boundary admits no valid one, and draw it, or these.
+
+    The `result` of a solver has said what it knows.
+    """
     from gridgen_sym.grids import certificates, plot_certificates, plot_grid
     from gridgen_sym.grids import quality as measure
 
-    found = () if measure(made).valid else certificates(made)
-    for certificate in found:
-        if certificate.message not in said:
+    if result:
+        found = result.certificates
+    else:
+        found = () if measure(made).valid else certificates(made, search=True)
+        for certificate in found:
             click.secho(certificate.message, fg="red", err=True)
     if plot:
         if found:

@@ -4,6 +4,8 @@ In a grid whose corner Jacobians are all positive every cell is a convex quadril
 corners have angles below 180 degrees, its map covers no point a negative number of times, its boundary turns through
 360 degrees in all, and its area is positive. Each certificate contradicts one of these, by exact arithmetic. A boundary
 that touches or overlaps itself may still have a valid grid: an annulus that is cut open, or a spiral.
+
+All of this is quick. The search for cells that conflict (`conflict.py`) takes longer and proves much more.
 """
 
 from __future__ import annotations
@@ -15,15 +17,19 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .grid import FloatArray, Grid, check_grid
+from .conflict import Conflict, find_conflict
+from .grid import FloatArray, Grid, boundary_indices, check_grid
 from .neck import Node, crowded_nodes
+from .places import nodes_of
 from .polygon import first_repeated, inner_angles, proper_crossings, turns, winding_number
 from .predicates import area_sign, orientation
 
-Kind = Literal["coincident", "crossing", "clockwise", "corner", "spike", "neck"]
+Kind = Literal["coincident", "crossing", "clockwise", "corner", "spike", "neck", "conflict"]
 
 # Of very many crossings so many are tried, each at these distances from it, as fractions of the shorter edge.
 _MOST_CROSSINGS, _DISTANCES = 200, (0.25, 0.05, 0.01, 1e-3)
+# A message names so many cells, and counts the others.
+_MOST_NAMED = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,14 +40,16 @@ class Certificate:
         kind: 'coincident': two neighbors are one point; 'crossing': the boundary crosses itself, so that cells must be
             turned over; 'clockwise': the boundary runs clockwise, which can be repaired; 'corner': the three fixed
             nodes at a logical corner turn the wrong way; 'spike': the boundary runs back on itself at a node; 'neck':
-            there is no place for an inner node.
+            there is no place for an inner node; 'conflict': some cells cannot all be valid, which a search has shown.
         nodes: indices (i, j) of the nodes that prove it. Two for 'coincident'; the ends of two edges for 'crossing';
             before, at and after the place for 'corner' and 'spike'; the inner node and pairs of boundary nodes, to
-            the left of each of which it would have to lie, for 'neck'; none for 'clockwise'.
+            the left of each of which it would have to lie, for 'neck'; none for 'clockwise'; the four of each cell,
+            counter-clockwise from its first, for 'conflict'.
         point: where to look, (x, y).
         numbers: what was measured. 'corner': the number (0 to 3, counter-clockwise from (0, 0)) of a 'corner';
             'angle': its inner angle in degrees, also of a 'spike'; 'crossings': how many pairs of edges cross;
-            'winding': how often the boundary winds round the point 'x', 'y'; 'turn': its total turn in degrees.
+            'winding': how often the boundary winds round the point 'x', 'y'; 'turn': its total turn in degrees;
+            'cells': how many conflict.
         message: a sentence that names the thing and what helps.
     """
 
@@ -56,39 +64,42 @@ class Certificate:
         return self.message
 
 
-def certificates(grid: Grid) -> tuple[Certificate, ...]:
-    """Return every proof that the boundary nodes of a grid, which do not move, admit no grid without a folded cell.
+def certificates(grid: Grid, *, search: bool = False) -> tuple[Certificate, ...]:
+    """Return proofs that the boundary nodes of a grid, which do not move, admit no grid without a folded cell.
 
     The inner nodes do not matter. None for a valid grid; and no certificate is no proof that a valid grid exists.
     What follows from another certificate is not listed: a clockwise boundary has four wrong corners.
 
     Args:
         grid: any grid with the boundary in question, such as `transfinite(bottom, top, left, right)`.
+        search: where there is no certificate otherwise, search near the folded cells of `grid` for cells that cannot
+            all be valid. It takes seconds at most, and finds most on the least folded grid, as `untangle` returns it.
 
     Raises:
         GridgenError: if `grid` is no Grid.
     """
     check_grid(grid)
+    found = _quick(grid)
+    if search and not found:
+        conflict = find_conflict(grid)
+        found = [_conflict(grid, conflict)] if conflict else []
+    return tuple(found)
+
+
+def _quick(grid: Grid) -> list[Certificate]:
+    """Return the certificates that need no search."""
     index = boundary_indices(*grid.shape)
     ring = np.ascontiguousarray(grid.planes[:, index[:, 0], index[:, 1]].T)
     found = _coincident(ring, index)
     if found:
-        return tuple(found)
+        return found
     turn, back = turns(ring)
     with np.errstate(over="ignore", invalid="ignore"):  # Huge coordinates may spoil the place that is told, no proof.
         found = _crossing(ring, index, None if back.any() else float(turn.sum()))
         if not found and area_sign(ring) <= 0:
-            return (_clockwise(ring),)
+            return [_clockwise(ring)]
         found += _corners(ring, index, grid.shape) + _spikes(ring, index, turn, back, grid.shape)
-        return tuple(found or _necks(grid))
-
-
-def boundary_indices(ni: int, nj: int) -> NDArray[np.intp]:
-    """Return the indices (i, j) of the boundary nodes counter-clockwise from (0, 0), shape (2 (ni + nj) - 4, 2)."""
-    i, j = np.arange(ni - 1), np.arange(nj - 1)
-    zero_i, zero_j = np.zeros_like(i), np.zeros_like(j)
-    sides = ((i, zero_i), (zero_j + ni - 1, j), (ni - 1 - i, zero_i + nj - 1), (zero_j, nj - 1 - j))
-    return np.concatenate([np.stack(side, axis=-1) for side in sides])
+        return found or _necks(grid)
 
 
 def _coincident(ring: FloatArray, index: NDArray[np.intp]) -> list[Certificate]:
@@ -221,6 +232,22 @@ def _necks(grid: Grid) -> list[Certificate]:
         )
         found.append(Certificate("neck", nodes, point, {}, message))
     return found
+
+
+def _conflict(grid: Grid, conflict: Conflict) -> Certificate:
+    """Return the certificate of cells that cannot all be valid."""
+    ni, nj = grid.shape
+    nodes = tuple(node for cell in conflict.cells for node in nodes_of(cell))
+    fixed = {(i, j) for i, j in nodes if i in (0, ni - 1) or j in (0, nj - 1)}
+    point = _point(np.mean([grid.planes[:, i, j] for i, j in sorted(fixed or set(nodes))], axis=0))
+    named = ", ".join(map(str, conflict.cells[:_MOST_NAMED]))
+    more = f" and {len(conflict.cells) - _MOST_NAMED} more" if len(conflict.cells) > _MOST_NAMED else ""
+    message = (
+        f"no valid grid exists: near {_text(point)} there is no room for the inner nodes: wherever they are, not all "
+        f"of the {len(conflict.cells)} cells {named}{more} can be valid. Take more cells there, or place the "
+        "boundary's nodes otherwise"
+    )
+    return Certificate("conflict", nodes, point, {"cells": len(conflict.cells)}, message)
 
 
 def _corner_places(ni: int, nj: int) -> NDArray[np.intp]:

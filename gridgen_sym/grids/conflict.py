@@ -18,21 +18,21 @@ from .lattice import Polygon, doubled_area, halves
 from .neck import Node
 from .places import Network, OutOfWork, Places
 
-#: Corners that may be looked at in the search for a proof.
-WORK = 40_000
-#: To show that still fewer cells conflict: so many times the work of the proof that is known, each time and in all.
-_PATIENCE = (2, 10)
+#: Rules that may be used in one attempt to find a proof.
+WORK = 20_000
+#: To show that still fewer cells conflict: so many times the work of the proof that is known.
+_PATIENCE = 2
 #: Cells up to so many cells from a folded one are looked at, at first and then.
 _LAYERS = (3, 9)
 
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """Cells that cannot all be valid, wherever the inner nodes are.
+    """Cells that cannot all be valid in a grid whose other cells are valid, wherever the inner nodes are.
 
     Attributes:
         cells: each by its first node (i, j).
-        work: how many corners had to be looked at to prove it.
+        work: how many rules were used to prove it.
     """
 
     cells: tuple[Node, ...]
@@ -40,47 +40,51 @@ class Conflict:
 
 
 def find_conflict(grid: Grid, work: int = WORK) -> Conflict | None:
-    """Search near the folded cells of a grid for cells that cannot all be valid with its boundary nodes.
+    """Search near the folded cells of a grid for a proof that no valid grid has its boundary nodes.
 
     Args:
-        grid: any grid; its folds are hints where to search, and the less folded it is, the better. Where else its
-            inner nodes are does not matter.
-        work: how many corners may be looked at, which bounds the time.
+        grid: any grid; its folds are hints where to search, and the less folded it is, the better. Where its inner
+            nodes are does not matter otherwise.
+        work: how many rules may be used in each of a few attempts, which bounds the time.
 
     Returns:
-        Cells that cannot all be valid: few enough to be looked at. None if no proof was found.
+        Cells that conflict, as few as are found. None if no proof was found.
     """
     before: set[Node] = set()
     for layers in _LAYERS:
         cells = _near_folds(grid, layers)
-        if cells and cells != before:
-            found = contracted_places(grid, cells, work)
-            if isinstance(found, Conflict):
-                return _fewest(grid, found)
+        for cases in (False, True):
+            if cells and cells != before:
+                found = contracted_places(grid, cells, work, cases=cases)
+                if isinstance(found, Conflict):
+                    return _fewest(grid, found, cases)
         before = cells
     return None
 
 
 def contracted_places(
-    grid: Grid, cells: Iterable[Node] | None = None, work: int = WORK
+    grid: Grid, cells: Iterable[Node] | None = None, work: int = WORK, *, cases: bool = True
 ) -> dict[Node, FloatArray] | Conflict:
     """Return where each inner node of some cells lies in every valid grid with the same boundary nodes, or a proof.
 
     Args:
         grid: any grid with the boundary nodes; its inner nodes do not matter.
-        cells: each by its first node (i, j); all cells if None. Only their corners are looked at.
-        work: how many corners may be looked at.
+        cells: each by its first node (i, j); all cells if None. Only what these say is used.
+        work: how many rules may be used.
+        cases: False to look at corners only, and to tell no cases apart: this is quick, and proves less.
 
     Returns:
         For each inner node of the cells a convex polygon (n, 2), counter-clockwise, that contains it; a node may have
-        places in it that are impossible. Or the cells that cannot all be valid.
+        places in it that are impossible. Or the cells that conflict.
     """
     ni, nj = grid.shape
     every = [(i, j) for i in range(ni - 1) for j in range(nj - 1)]
-    network = Network(grid, every if cells is None else cells, work)
+    network = Network(grid, every if cells is None else cells, work, sight=cases)
     places = network.start.copy()
     try:
-        why = _contradiction(network, places)
+        why = network.contract(places)
+        if why is None and cases:
+            why = _contradiction(network, places)
     except OutOfWork:
         why = None
     if why is not None:
@@ -104,9 +108,6 @@ def _contradiction(network: Network, places: Places) -> int | None:
     Raises:
         OutOfWork: `places` hold what is known in all cases.
     """
-    why = network.contract(places)
-    if why is not None:
-        return why
     cases, why = [places], 0
     while cases:
         outcome = _tell_apart(network, cases.pop())
@@ -180,12 +181,12 @@ def _moments(region: Polygon) -> FloatArray:
     return np.asarray(np.cov(points.T))
 
 
-def _fewest(grid: Grid, conflict: Conflict) -> Conflict:
+def _fewest(grid: Grid, conflict: Conflict, cases: bool) -> Conflict:
     """Leave out cells of a conflict as long as the others still conflict, and that is shown with as little work."""
-    kept, each, left = conflict.cells, *(factor * conflict.work for factor in _PATIENCE)
+    kept, each, left = conflict.cells, _PATIENCE * conflict.work, WORK
     for cell in conflict.cells:
         if cell in kept and left > 0:
-            fewer = contracted_places(grid, [other for other in kept if other != cell], each)
+            fewer = contracted_places(grid, [other for other in kept if other != cell], each, cases=cases)
             left -= fewer.work if isinstance(fewer, Conflict) else each
             kept = fewer.cells if isinstance(fewer, Conflict) else kept
     return Conflict(kept, conflict.work)

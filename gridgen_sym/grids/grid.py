@@ -162,6 +162,14 @@ def check_counts(ni: int, nj: int) -> None:
             raise GridgenError(f"{axis} must be a whole number of nodes, at least {SMALLEST}, but is {count!r}")
 
 
+def boundary_indices(ni: int, nj: int) -> NDArray[np.intp]:
+    """Return the indices (i, j) of the boundary nodes counter-clockwise from (0, 0), shape (2 (ni + nj) - 4, 2)."""
+    i, j = np.arange(ni - 1), np.arange(nj - 1)
+    zero_i, zero_j = np.zeros_like(i), np.zeros_like(j)
+    sides = ((i, zero_i), (zero_j + ni - 1, j), (ni - 1 - i, zero_i + nj - 1), (zero_j, nj - 1 - j))
+    return np.concatenate([np.stack(side, axis=-1) for side in sides])
+
+
 def corner_jacobians(x: FloatArray, y: FloatArray) -> FloatArray:
     """Return the Jacobian J = x_xi y_eta - x_eta y_xi at the four corners of every cell.
 

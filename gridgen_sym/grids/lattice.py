@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from .grid import FloatArray
 
 Point = tuple[int, int]
 Polygon = tuple[Point, ...]
+#: (dx, dy, c): the points with dx y - dy x > c are to its left.
+Line = tuple[int, int, int]
 
 #: The extent of a lattice in units, at least: 2 to this power.
 _BITS = 72
@@ -23,6 +26,8 @@ _BITS = 72
 _SMALLEST = 1 << 12
 #: So many units outside the polygon that is cut, a new corner is put.
 _OUTSIDE = 2
+#: A polygon has no more corners than these, if possible: work grows with their number, and more of them tell little.
+_MOST_CORNERS = 8
 
 
 class Lattice:
@@ -87,14 +92,72 @@ def possible_part(region: Polygon, a: Polygon, c: Polygon) -> Polygon | None:
     Returns:
         The convex hull of what is left; without corners if that is nothing, and None if it is all.
     """
-    left = [_turns_left(q, a, c) for q in region]
+    return _left_over(region, lambda q: _turns_left(q, a, c), lambda u, v: _last_part(u, v, a, c))
+
+
+def visible_part(region: Polygon, a: Polygon, obstacle: Polygon) -> Polygon | None:
+    """Return a polygon with all q in `region` that see some point of `a` past an obstacle, a convex polygon.
+
+    The points hidden by the obstacle from one point form a convex set, and what hides q from all corners of `a` hides
+    it from `a`.
+
+    Returns:
+        As `possible_part`.
+    """
+    shadows = [shadow for p in a if (shadow := _shadow(p, obstacle)) is not None]
+    return _left_over(region, lambda q: _in_light(q, shadows), lambda u, v: _lit_part(u, v, shadows))
+
+
+def _left_over(
+    region: Polygon, possible: Callable[[Point], bool], part: Callable[[Point, Point], tuple[int, int]]
+) -> Polygon | None:
+    """Return what is left of a region whose impossible points are a convex set; see `possible_part`."""
+    left = [possible(q) for q in region]
     if all(left):
         return None
     if not any(left):
         return ()
-    if _width(region) < _SMALLEST:
+    return None if _width(region) < _SMALLEST else _cut(region, left, part)
+
+
+@lru_cache(maxsize=1 << 16)
+def _shadow(p: Point, obstacle: Polygon) -> tuple[Line, ...] | None:
+    """Return lines to the left of all of which an open obstacle hides what is there from p.
+
+    None if p is inside the obstacle, which hides everything.
+    """
+    edges = list(zip(obstacle, obstacle[1:] + obstacle[:1], strict=True))
+    sides = [turn(q, r, p) for q, r in edges]
+    if min(sides) > 0:
         return None
-    return _cut(region, left, lambda u, v: _last_part(u, v, a, c))
+    lines = [edge for edge, side in zip(edges, sides, strict=True) if side < 0]
+    for q in obstacle:
+        if q != p:
+            turns = [turn(p, q, r) for r in obstacle]
+            if min(turns) >= 0:
+                lines.append((p, q))
+            if max(turns) <= 0:
+                lines.append((q, p))
+    return tuple((t[0] - s[0], t[1] - s[1], (t[0] - s[0]) * s[1] - (t[1] - s[1]) * s[0]) for s, t in lines)
+
+
+def _in_light(q: Point, shadows: list[tuple[Line, ...]]) -> bool:
+    """Say whether q is outside some of the open shadows."""
+    x, y = q
+    return any(dx * y - dy * x <= c for shadow in shadows for dx, dy, c in shadow)
+
+
+def _lit_part(u: Point, v: Point, shadows: list[tuple[Line, ...]]) -> tuple[int, int]:
+    """Return how far from u, which is outside some shadow, to v, which is in all, some point is outside one."""
+    best = (0, 1)
+    for shadow in shadows:
+        for dx, dy, c in shadow:
+            outside = c - (dx * u[1] - dy * u[0])
+            if outside >= 0:
+                rise = dx * v[1] - dy * v[0] - c + outside
+                if outside * best[1] > best[0] * rise:
+                    best = (outside, rise)
+    return best
 
 
 def halves(region: Polygon, along: tuple[int, int]) -> tuple[Polygon, Polygon]:
@@ -160,10 +223,45 @@ def _cut(region: Polygon, inside: Sequence[bool], part: Callable[[Point, Point],
             corners.append(v)
     polygon = convex_hull(corners)
     if all(_holds(polygon, end) for end in ends):
-        return polygon
+        return simpler(polygon)
     kept = [v for v, stays_in in zip(region, inside, strict=True) if stays_in]
     around = [(x // d + right, y // d + up) for x, y, d in ends for right in (0, 1) for up in (0, 1)]
     return convex_hull(kept + around)
+
+
+def simpler(polygon: Polygon) -> Polygon:
+    """Return a polygon with not too many corners that holds a convex one, and little more.
+
+    An edge goes where its two neighbors are prolonged until they meet; of all edges, that which adds the least area.
+    """
+    while len(polygon) > _MOST_CORNERS:
+        count = len(polygon)
+        apices = (_apex(*(polygon[(k + m) % count] for m in range(4))) for k in range(count))
+        found = [apex for apex in apices if apex is not None]
+        if not found:
+            break
+        _, corner, edge = min(found)
+        polygon = convex_hull([*(point for point in polygon if point not in edge), corner])
+    return polygon
+
+
+def _apex(p: Point, q: Point, r: Point, s: Point) -> tuple[int, Point, tuple[Point, Point]] | None:
+    """Return the area added, twice, where the edges pq and rs meet behind the edge qr, rounded outwards, and that edge.
+
+    None if they do not meet there.
+    """
+    (ax, ay), (bx, by) = (q[0] - p[0], q[1] - p[1]), (s[0] - r[0], s[1] - r[1])
+    whole = ax * by - ay * bx
+    if whole <= 0:
+        return None
+    part = (r[0] - q[0]) * by - (r[1] - q[1]) * bx
+    size = max(abs(ax), abs(ay), abs(bx), abs(by))
+    apex = (
+        q[0] + part * ax // whole + _OUTSIDE * (ax - bx) // size,
+        q[1] + part * ay // whole + _OUTSIDE * (ay - by) // size,
+    )
+    holds = turn(p, apex, q) >= 0 and turn(apex, s, r) >= 0
+    return (turn(q, apex, r), apex, (q, r)) if holds else None
 
 
 def _holds(polygon: Polygon, end: tuple[int, int, int]) -> bool:

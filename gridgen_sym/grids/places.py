@@ -4,72 +4,129 @@ In a valid grid no inner node is as far in any direction as some boundary node. 
 four neighbors follow each other counter-clockwise, each less than 180 degrees after the one before: they do not all
 lie in one half-plane. So every inner node lies in the convex hull of the boundary nodes, whether these cross or not.
 
-From there the polygons are contracted. At every corner of a cell J = turn(p, q, r) > 0 for three nodes. A node q of
+From there the polygons are contracted. At every corner of a cell J = turn(p, q, r) > 0 for three nodes. A node of
 which no place of the other two, in their polygons, makes J positive cannot be where it is; and J is affine in each of
-the nodes, so that corners of the polygons decide. What is cut off is never possible. If nothing is left for a node,
-there is no valid grid: this is a proof, for all signs are those of whole numbers.
+the nodes, so that corners of the polygons decide. Where the boundary does not meet itself, the cells of a valid grid
+lie side by side in its inside (the map is one to one on the boundary, and nowhere turned over, so it is one to one),
+and the segment between two nodes of a cell does not lead through what lies outside: each must see the other.
+
+What is cut off is never possible. If nothing is left for a node, there is no valid grid: this is a proof, for all
+signs are those of whole numbers.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
-from itertools import combinations
+from collections.abc import Iterable, Iterator
+from itertools import combinations, permutations
+from typing import NamedTuple
 
-from .grid import Grid
-from .lattice import Lattice, Polygon, convex_hull, doubled_area, possible_part
+from .grid import Grid, boundary_indices
+from .lattice import Lattice, Point, Polygon, convex_hull, doubled_area, possible_part, simpler, visible_part
 from .neck import Node
+from .obstacles import outside_pieces
+from .polygon import first_crossing
 
-#: The place of a node: its polygon, and a bit for every cell whose corners it follows from.
+#: The place of a node: its polygon, and a bit for every cell by which it was contracted.
 Place = tuple[Polygon, int]
 Places = dict[Node, Place]
 
 #: A node is told to its neighbors when its polygon has become smaller by this factor.
 _SMALLER = 0.99
+#: Of what is outside, that counts for a cell which has a corner at a boundary node so many cells from it.
+_NEAR = 9
 
 
 class OutOfWork(Exception):  # noqa: N818 - no error
-    """As many corners have been looked at as were allowed."""
+    """As many rules have been used as were allowed."""
+
+
+class Rule(NamedTuple):
+    """What other nodes say of the place of one.
+
+    Attributes:
+        node: the one.
+        others: two of them are at a corner of a cell with it: turn(node, *others) > 0. One must be seen from it.
+        obstacle: what hides the one other node.
+        cell: a bit that stands for the cell.
+    """
+
+    node: Node
+    others: tuple[Node, ...]
+    obstacle: Polygon
+    cell: int
+
+    def part(self, places: Places) -> Polygon | None:
+        """Return what is left of the node's place: None for all."""
+        region, *others = (places[node][0] for node in (self.node, *self.others))
+        return visible_part(region, others[0], self.obstacle) if self.obstacle else possible_part(region, *others)
+
+    def reasons(self, places: Places) -> int:
+        """Return the cells, as bits, from which it follows."""
+        why = self.cell
+        for node in (self.node, *self.others):
+            why |= places[node][1]
+        return why
 
 
 class Network:
-    """Some cells of a grid, and what their corners say of the places of its inner nodes.
+    """Some cells of a grid, and the rules for the places of its inner nodes.
 
     Attributes:
         cells: each by its first node (i, j).
         lattice: the whole numbers that stand for coordinates.
-        hull: the convex hull of the boundary nodes.
+        hull: of the boundary nodes, convex, perhaps with less corners than their convex hull.
         free: the inner nodes of these cells.
-        start: the places that they have without looking at any corner; of a boundary node, where it is.
-        work: how many corners may still be looked at.
+        start: the places that they have without any rule; of a boundary node, where it is.
+        work: how many rules may still be used.
     """
 
-    def __init__(self, grid: Grid, cells: Iterable[Node], work: int) -> None:
-        """Take the cells, each by its first node, of a grid whose inner nodes do not matter."""
+    def __init__(self, grid: Grid, cells: Iterable[Node], work: int, *, sight: bool = True) -> None:
+        """Take the rules of the cells, each by its first node, of a grid whose inner nodes do not matter.
+
+        Args:
+            grid: has the boundary.
+            cells: those whose corners count.
+            work: how many rules may be used.
+            sight: whether nodes of a cell must see each other, too.
+        """
         self.cells, self.work = sorted(cells), work
-        ni, nj = grid.shape
-        index = [(i, j) for i in range(ni) for j in range(nj) if i in (0, ni - 1) or j in (0, nj - 1)]
-        ring = grid.planes[:, [i for i, _ in index], [j for _, j in index]].T
+        index = boundary_indices(*grid.shape)
+        ring = grid.planes[:, index[:, 0], index[:, 1]].T
         self.lattice = Lattice(ring)
         points = self.lattice.points(ring)
-        self.hull, fixed = convex_hull(points), dict(zip(index, points, strict=True))
-        nodes = sorted({node for cell in self.cells for node in _nodes_of(cell)})
+        fixed = dict(zip(map(tuple, index.tolist()), points, strict=True))
+        self.hull = simpler(convex_hull(points))
+        nodes = sorted({node for cell in self.cells for node in nodes_of(cell)})
         self.free = [node for node in nodes if node not in fixed]
         self.start: Places = {node: ((fixed[node],) if node in fixed else self.hull, 0) for node in nodes}
-        # What turn(node, a, c) > 0 says of a free node, as (node, a, c, cell); and the numbers of those using a node.
-        self._corners: list[tuple[Node, Node, Node, int]] = []
+        self._rules = [rule for rule in self._corner_rules() if rule.node not in fixed]
+        if sight and first_crossing(ring) is None:
+            seen = {rule[:3]: rule for rule in self._sight_rules(fixed) if rule.node not in fixed}
+            self._rules += seen.values()
         self._with: dict[Node, list[int]] = {node: [] for node in nodes}
+        for number, rule in enumerate(self._rules):
+            for node in rule.others:
+                self._with[node].append(number)
+
+    def _corner_rules(self) -> Iterator[Rule]:
+        """Return what the corners of the cells say."""
         for number, cell in enumerate(self.cells):
-            for triangle in combinations(_nodes_of(cell), 3):
+            for corner in combinations(nodes_of(cell), 3):
                 for k in range(3):
-                    node, a, c = triangle[k], triangle[(k + 1) % 3], triangle[(k + 2) % 3]
-                    if node not in fixed:
-                        self._with[a].append(len(self._corners))
-                        self._with[c].append(len(self._corners))
-                        self._corners.append((node, a, c, 1 << number))
+                    yield Rule(corner[k], (corner[k - 2], corner[k - 1]), (), 1 << number)
+
+    def _sight_rules(self, fixed: dict[Node, Point]) -> Iterator[Rule]:
+        """Return what it says that nodes of a cell see each other, past what is outside near them."""
+        at = {point: node for node, point in fixed.items()}
+        pieces = [(piece, [at[point] for point in piece]) for piece in outside_pieces(list(at))]
+        for number, (i, j) in enumerate(self.cells):
+            near = [piece for piece, nodes in pieces if any(max(abs(p - i), abs(q - j)) <= _NEAR for p, q in nodes)]
+            for node, other in permutations(nodes_of((i, j)), 2):
+                yield from (Rule(node, (other,), piece, 1 << number) for piece in near)
 
     def contract(self, places: Places, changed: Node | None = None) -> int | None:
-        """Contract places, in place, until corners say no more.
+        """Contract places, in place, until no rule says more.
 
         Args:
             places: of every node.
@@ -79,10 +136,10 @@ class Network:
             None, or the cells, as bits, of which not all can be valid: the proof that some node has no place.
 
         Raises:
-            OutOfWork: if too many corners had to be looked at; `places` hold what is known.
+            OutOfWork: if too many rules had to be used; `places` hold what is known.
         """
         told: dict[Node, int] = {}
-        waiting = deque(range(len(self._corners)) if changed is None else self._with[changed])
+        waiting = deque(range(len(self._rules)) if changed is None else self._with[changed])
         queued = set(waiting)
         while waiting:
             number = waiting.popleft()
@@ -90,21 +147,19 @@ class Network:
             if self.work <= 0:
                 raise OutOfWork
             self.work -= 1
-            node, a, c, cell = self._corners[number]
-            region, why = places[node]
-            part = possible_part(region, places[a][0], places[c][0])
+            rule = self._rules[number]
+            part = rule.part(places)
             if part is None:
                 continue
-            why |= places[a][1] | places[c][1] | cell
             if len(part) < 3:
-                return why
-            before, area = doubled_area(region), doubled_area(part)
+                return rule.reasons(places)
+            before, area = doubled_area(places[rule.node][0]), doubled_area(part)
             if area >= before:
                 continue
-            places[node] = (part, why)
-            if area < _SMALLER * told.setdefault(node, before):
-                told[node] = area
-                fresh = [other for other in self._with[node] if other not in queued]
+            places[rule.node] = (part, rule.reasons(places))
+            if area < _SMALLER * told.setdefault(rule.node, before):
+                told[rule.node] = area
+                fresh = [other for other in self._with[rule.node] if other not in queued]
                 queued.update(fresh)
                 waiting.extend(fresh)
         return None
@@ -114,7 +169,7 @@ class Network:
         return tuple(cell for number, cell in enumerate(self.cells) if why >> number & 1)
 
 
-def _nodes_of(cell: Node) -> tuple[Node, Node, Node, Node]:
+def nodes_of(cell: Node) -> tuple[Node, Node, Node, Node]:
     """Return the nodes of a cell counter-clockwise."""
     i, j = cell
     return (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)

@@ -26,6 +26,7 @@ _NAMES = {
     "corner": "corner {corner:.0f} has {angle:.4g} degrees",
     "spike": "the boundary runs back",
     "neck": "no place for an inner node",
+    "conflict": "{cells:.0f} cells cannot all be valid",
 }
 
 
@@ -37,7 +38,7 @@ def plot_certificates(
     Args:
         grid: the grid whose boundary is certified.
         path: where to write the picture (``.png``, ``.pdf`` or ``.svg``), whole or not at all; None to write nothing.
-        found: the certificates; None for `certificates(grid)`.
+        found: the certificates; None for `certificates(grid, search=True)`.
 
     Returns:
         The figure, which belongs to no window and no global state.
@@ -46,7 +47,7 @@ def plot_certificates(
         GridgenError: if there is no certificate, and as for `plot_grid`.
         MissingExtraError: if Matplotlib is not installed.
     """
-    found = certificates(grid) if found is None else found
+    found = certificates(grid, search=True) if found is None else found
     if not found:
         raise GridgenError("a picture of certificates needs one, but the boundary of this grid has none")
     shown = found[:MOST_PANELS]
@@ -69,10 +70,15 @@ def plot_certificates(
 
 def _draw_certificate(axes: Axes, grid: Grid, certificate: Certificate) -> None:
     """Draw the nodes and the edges of one certificate, and show their neighborhood."""
-    nodes = np.array([grid.planes[:, i, j] for i, j in certificate.nodes]).reshape(-1, 2)
-    for edge in _edges(nodes, certificate.kind):
-        axes.plot(*edge.T, color=ALARM, linewidth=2.0, zorder=6)
-    fixed = nodes[1:] if certificate.kind == "neck" else nodes
+    (ni, nj), nodes = grid.shape, np.array([grid.planes[:, i, j] for i, j in certificate.nodes]).reshape(-1, 2)
+    inner = np.array([0 < i < ni - 1 and 0 < j < nj - 1 for i, j in certificate.nodes], dtype=bool)
+    if certificate.kind == "conflict":
+        for cell in nodes.reshape(-1, 4, 2):
+            axes.fill(*cell.T, facecolor=ALARM, alpha=0.2, edgecolor=ALARM, linewidth=1.5, zorder=4)
+    else:
+        for edge in _edges(nodes, certificate.kind):
+            axes.plot(*edge.T, color=ALARM, linewidth=2.0, zorder=6)
+    fixed = nodes[~inner]
     axes.plot(*fixed.T, linestyle="none", marker="o", markersize=5, color=ALARM, zorder=7)
     if "winding" in certificate.numbers:
         axes.plot(certificate.numbers["x"], certificate.numbers["y"], marker="x", color=ALARM, markersize=7, zorder=7)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..grids import Certificate, Grid, Quality, certificates, quality
+from ..grids import Certificate, Grid, Quality, quality
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +40,8 @@ class Result:
         energy: discrete energy of `grid`, over all corners of all cells (or the paper's set, where that was asked for).
         history: one entry per iteration of the last stage.
         interrupted: whether Ctrl-C, the time limit or the callback stopped it.
+        certificates: the proofs that no valid grid has this boundary; none for a valid grid. Where untangling ended
+            with folds, these are those of a search, too: `certificates(grid, search=True)`.
     """
 
     grid: Grid
@@ -49,16 +51,12 @@ class Result:
     energy: float
     history: tuple[Step, ...]
     interrupted: bool = False
+    certificates: tuple[Certificate, ...] = ()
 
     @property
     def quality(self) -> Quality:
         """The quality measures of the grid."""
         return quality(self.grid)
-
-    @property
-    def certificates(self) -> tuple[Certificate, ...]:
-        """The proofs that no valid grid has this boundary; none for a valid grid."""
-        return certificates(self.grid)
 
     @property
     def energy_per_corner(self) -> float:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..functionals.definition import Functional
-from ..grids import Grid, certificates, corner_jacobians, quality
-from ..grids.certificate import boundary_indices
+from ..grids import Certificate, Grid, certificates, corner_jacobians, quality
+from ..grids.grid import boundary_indices
 from ..grids.predicates import area_sign
 from ..runtime import Array
 from .lift import lift
@@ -32,6 +32,7 @@ class Run:
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
         said: what to say before the solver's own message.
+        proofs: that no valid grid has this boundary, where untangling could not find one; None if that did not happen.
     """
 
     problem: Problem
@@ -42,6 +43,7 @@ class Run:
     report: Progress
     reference: float | None = None
     said: str = ""
+    proofs: tuple[Certificate, ...] | None = None
 
     @property
     def to_untangle(self) -> bool:
@@ -108,7 +110,8 @@ class Run:
         told = "this is the start."
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
-        proofs = _proofs_text(grid) or "No proof was found that there is no valid grid."
+        self.proofs = certificates(grid, search=True)
+        proofs = _proofs_text(self.proofs) or "No proof was found that there is no valid grid."
         return f"{told} {quality(grid).describe_folds()}\n{proofs}"
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:
@@ -116,9 +119,12 @@ class Run:
         energy, smallest = self.problem.energy(self.coordinates)
         grid = Grid.from_planes(*self.coordinates)
         message = self.said + message
-        if not smallest > 0 and "folded (J" not in message:
-            folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
-            message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(grid)}"
+        proofs: tuple[Certificate, ...] = ()
+        if not smallest > 0:
+            proofs = certificates(grid) if self.proofs is None else self.proofs
+            if self.proofs is None:
+                folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
+                message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}"
         return Result(
             grid=grid,
             converged=converged,
@@ -127,6 +133,7 @@ class Run:
             energy=energy,
             history=tuple(self.report.history),
             interrupted=interrupted,
+            certificates=proofs,
         )
 
 
@@ -134,7 +141,6 @@ class Run:
 UNTANGLED = "The grid was folded at the start and was untangled first: "
 
 
-def _proofs_text(grid: Grid) -> str:
-    """Return the proofs that no valid grid has this boundary, as a sentence; nothing where there are none."""
-    proofs = [str(proof) for proof in certificates(grid)]
-    return f"With this boundary {'; '.join(proofs)}." if proofs else ""
+def _proofs_text(proofs: tuple[Certificate, ...]) -> str:
+    """Return the proofs that no valid grid has a boundary, as a sentence; nothing where there are none."""
+    return f"With this boundary {'; '.join(map(str, proofs))}." if proofs else ""

@@ -11,7 +11,7 @@ from support_boundaries import boundary_grids, closed_curves, grid_of_ring, vali
 
 import gridgen_sym as gg
 from gridgen_sym.grids import corner_jacobians
-from gridgen_sym.grids.certificate import boundary_indices
+from gridgen_sym.grids.grid import boundary_indices
 from gridgen_sym.grids.neck import crowded_nodes
 from gridgen_sym.grids.polygon import first_crossing, proper_crossings, winding_number
 from gridgen_sym.grids.predicates import area_sign, orientation
