@@ -105,12 +105,12 @@ def test_halves_hold_the_whole(seed):
 @given(SEEDS)
 def test_a_simpler_polygon_holds_the_whole(seed):
     random = np.random.default_rng(seed)
-    angles = np.sort(random.random(30)) * 2 * np.pi
+    angles = (np.arange(30) + 0.5 * random.random(30)) * np.pi / 15
     region = convex_hull([(round(2**40 * np.cos(angle)), round(2**40 * np.sin(angle))) for angle in angles])
     simple = simpler(region)
     assert len(simple) <= 8
     assert all(inside(simple, point) for point in region)
-    assert doubled_area(simple) < 2 * doubled_area(region)
+    assert doubled_area(simple) < 1.2 * doubled_area(region)
 
 
 @given(SEEDS, st.integers(5, 40))
