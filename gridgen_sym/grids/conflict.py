@@ -16,7 +16,7 @@ import numpy as np
 from .grid import FloatArray, Grid, corner_jacobians
 from .lattice import Polygon, doubled_area, halves
 from .neck import Node
-from .places import Network, OutOfWork, Places
+from .places import Network, OutOfWork, Place, Places
 
 #: Rules that may be used in one attempt to find a proof.
 WORK = 20_000
@@ -89,7 +89,7 @@ def contracted_places(
         why = None
     if why is not None:
         return Conflict(network.named(why), work - network.work)
-    return {node: network.lattice.coordinates(places[node][0]) for node in network.free}
+    return {node: network.lattice.coordinates(places[node].region) for node in network.free}
 
 
 def _near_folds(grid: Grid, layers: int) -> set[Node]:
@@ -133,9 +133,9 @@ def _tell_apart(network: Network, places: Places) -> int | list[Places] | None:
         for node in network.free:
             cases: list[Places] = []
             impossible = 0
-            for half in halves(places[node][0], _across(places[node][0], frame)):
+            for half in halves(places[node].region, _across(places[node].region, frame)):
                 case = places.copy()
-                case[node] = (half, places[node][1] | impossible)
+                case[node] = Place.of(half, places[node].cells | impossible)
                 why = network.contract(case, node)
                 if why is None:
                     cases.append(case)
@@ -153,14 +153,14 @@ def _tell_apart(network: Network, places: Places) -> int | list[Places] | None:
 
 def _learn(places: Places, case: Places, why: int) -> None:
     """Take what holds in the only possible case, for the reasons that there are and those that exclude the other."""
-    for node, (region, reasons) in case.items():
-        if region is not places[node][0]:
-            places[node] = (region, reasons | why)
+    for node, place in case.items():
+        if place is not places[node]:
+            places[node] = place._replace(cells=place.cells | why)
 
 
 def _told(places: Places, case: Places) -> float:
     """Return how much smaller the places are in a case, as a sum of logarithms of areas."""
-    pairs = ((places[node][0], region) for node, (region, _) in case.items() if region is not places[node][0])
+    pairs = ((places[node].region, place.region) for node, place in case.items() if place is not places[node])
     return sum(math.log(max(doubled_area(whole), 1) / max(doubled_area(part), 1)) for whole, part in pairs)
 
 

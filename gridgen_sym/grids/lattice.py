@@ -260,7 +260,7 @@ def _apex(p: Point, q: Point, r: Point, s: Point) -> tuple[int, Point, tuple[Poi
         q[0] + part * ax // whole + _OUTSIDE * (ax - bx) // size,
         q[1] + part * ay // whole + _OUTSIDE * (ay - by) // size,
     )
-    holds = turn(p, apex, q) >= 0 and turn(apex, s, r) >= 0
+    holds = all(turn(p, apex, x) >= 0 and turn(apex, s, x) >= 0 for x in (q, r))
     return (turn(q, apex, r), apex, (q, r)) if holds else None
 
 

@@ -27,8 +27,29 @@ from .neck import Node
 from .obstacles import outside_pieces
 from .polygon import first_crossing
 
-#: The place of a node: its polygon, and a bit for every cell by which it was contracted.
-Place = tuple[Polygon, int]
+#: Smallest and largest x, and y.
+Box = tuple[int, int, int, int]
+
+
+class Place(NamedTuple):
+    """Where a node can be.
+
+    Attributes:
+        region: a convex polygon, or a point.
+        cells: a bit for every cell by which it was contracted.
+        box: of the region.
+    """
+
+    region: Polygon
+    cells: int
+    box: Box
+
+    @classmethod
+    def of(cls, region: Polygon, cells: int) -> Place:
+        """Return the place with its box."""
+        return cls(region, cells, _box(region))
+
+
 Places = dict[Node, Place]
 
 #: A node is told to its neighbors when its polygon has become smaller by this factor.
@@ -47,25 +68,34 @@ class Rule(NamedTuple):
     Attributes:
         node: the one.
         others: two of them are at a corner of a cell with it: turn(node, *others) > 0. One must be seen from it.
-        obstacle: what hides the one other node.
+        obstacle: what may hide the one other node.
         cell: a bit that stands for the cell.
+        box: of the obstacle.
     """
 
     node: Node
     others: tuple[Node, ...]
     obstacle: Polygon
     cell: int
+    box: Box
+
+    def may_say_something(self, places: Places) -> bool:
+        """Return whether the obstacle is perhaps between the nodes."""
+        if not self.obstacle:
+            return True
+        (a, b, c, d), (p, q, r, s), (x, y, z, w) = places[self.node].box, places[self.others[0]].box, self.box
+        return max(b, q) > x and min(a, p) < y and max(d, s) > z and min(c, r) < w
 
     def part(self, places: Places) -> Polygon | None:
         """Return what is left of the node's place: None for all."""
-        region, *others = (places[node][0] for node in (self.node, *self.others))
+        region, *others = (places[node].region for node in (self.node, *self.others))
         return visible_part(region, others[0], self.obstacle) if self.obstacle else possible_part(region, *others)
 
     def reasons(self, places: Places) -> int:
         """Return the cells, as bits, from which it follows."""
         why = self.cell
         for node in (self.node, *self.others):
-            why |= places[node][1]
+            why |= places[node].cells
         return why
 
 
@@ -99,8 +129,10 @@ class Network:
         self.hull = simpler(convex_hull(points))
         nodes = sorted({node for cell in self.cells for node in nodes_of(cell)})
         self.free = [node for node in nodes if node not in fixed]
-        self.start: Places = {node: ((fixed[node],) if node in fixed else self.hull, 0) for node in nodes}
+        whole = Place.of(self.hull, 0)
+        self.start: Places = {node: Place.of((fixed[node],), 0) if node in fixed else whole for node in nodes}
         self._rules = [rule for rule in self._corner_rules() if rule.node not in fixed]
+        self._corners = len(self._rules)
         if sight and first_crossing(ring) is None:
             seen = {rule[:3]: rule for rule in self._sight_rules(fixed) if rule.node not in fixed}
             self._rules += seen.values()
@@ -114,16 +146,20 @@ class Network:
         for number, cell in enumerate(self.cells):
             for corner in combinations(nodes_of(cell), 3):
                 for k in range(3):
-                    yield Rule(corner[k], (corner[k - 2], corner[k - 1]), (), 1 << number)
+                    yield Rule(corner[k], (corner[k - 2], corner[k - 1]), (), 1 << number, (0, 0, 0, 0))
 
     def _sight_rules(self, fixed: dict[Node, Point]) -> Iterator[Rule]:
         """Return what it says that nodes of a cell see each other, past what is outside near them."""
         at = {point: node for node, point in fixed.items()}
-        pieces = [(piece, [at[point] for point in piece]) for piece in outside_pieces(list(at))]
+        pieces = [(piece, _box(piece), [at[point] for point in piece]) for piece in outside_pieces(list(at))]
         for number, (i, j) in enumerate(self.cells):
-            near = [piece for piece, nodes in pieces if any(max(abs(p - i), abs(q - j)) <= _NEAR for p, q in nodes)]
+            near = [
+                (piece, box)
+                for piece, box, nodes in pieces
+                if any(max(abs(p - i), abs(q - j)) <= _NEAR for p, q in nodes)
+            ]
             for node, other in permutations(nodes_of((i, j)), 2):
-                yield from (Rule(node, (other,), piece, 1 << number) for piece in near)
+                yield from (Rule(node, (other,), piece, 1 << number, box) for piece, box in near)
 
     def contract(self, places: Places, changed: Node | None = None) -> int | None:
         """Contract places, in place, until no rule says more.
@@ -139,10 +175,19 @@ class Network:
             OutOfWork: if too many rules had to be used; `places` hold what is known.
         """
         told: dict[Node, int] = {}
-        waiting = deque(range(len(self._rules)) if changed is None else self._with[changed])
-        queued = set(waiting)
-        while waiting:
-            number = waiting.popleft()
+        corners: deque[int] = deque()
+        sights: deque[int] = deque()  # Slower, and often without news: last.
+        queued: set[int] = set()
+
+        def wait(numbers: Iterable[int]) -> None:
+            for number in numbers:
+                if number not in queued and self._rules[number].may_say_something(places):
+                    queued.add(number)
+                    (corners if number < self._corners else sights).append(number)
+
+        wait(range(len(self._rules)) if changed is None else self._with[changed])
+        while corners or sights:
+            number = (corners or sights).popleft()
             queued.discard(number)
             if self.work <= 0:
                 raise OutOfWork
@@ -153,15 +198,13 @@ class Network:
                 continue
             if len(part) < 3:
                 return rule.reasons(places)
-            before, area = doubled_area(places[rule.node][0]), doubled_area(part)
+            before, area = doubled_area(places[rule.node].region), doubled_area(part)
             if area >= before:
                 continue
-            places[rule.node] = (part, rule.reasons(places))
+            places[rule.node] = Place.of(part, rule.reasons(places))
             if area < _SMALLER * told.setdefault(rule.node, before):
                 told[rule.node] = area
-                fresh = [other for other in self._with[rule.node] if other not in queued]
-                queued.update(fresh)
-                waiting.extend(fresh)
+                wait(self._with[rule.node])
         return None
 
     def named(self, why: int) -> tuple[Node, ...]:
@@ -173,3 +216,9 @@ def nodes_of(cell: Node) -> tuple[Node, Node, Node, Node]:
     """Return the nodes of a cell counter-clockwise."""
     i, j = cell
     return (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)
+
+
+def _box(polygon: Polygon) -> Box:
+    """Return the smallest and largest x, and y, of a polygon."""
+    x, y = zip(*polygon, strict=True)
+    return min(x), max(x), min(y), max(y)

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_PANELS = 5  # Of more certificates the first are drawn, and the others counted.
-_AROUND = 3.0  # A panel shows so many times the extent of what it is about.
+_AROUND, _CLOSE = 3.0, 1.3  # A panel shows so many times the extent of what it is about; of cells, if these are that.
+_THIN = 2.0  # Cells that extend so many times as far one way as the other are stretched.
 _NAMES = {
     "coincident": "two nodes at one point",
     "crossing": "the boundary crosses itself",
@@ -72,20 +73,35 @@ def _draw_certificate(axes: Axes, grid: Grid, certificate: Certificate) -> None:
     """Draw the nodes and the edges of one certificate, and show their neighborhood."""
     (ni, nj), nodes = grid.shape, np.array([grid.planes[:, i, j] for i, j in certificate.nodes]).reshape(-1, 2)
     inner = np.array([0 < i < ni - 1 and 0 < j < nj - 1 for i, j in certificate.nodes], dtype=bool)
-    if certificate.kind == "conflict":
-        for cell in nodes.reshape(-1, 4, 2):
-            axes.fill(*cell.T, facecolor=ALARM, alpha=0.2, edgecolor=ALARM, linewidth=1.5, zorder=4)
-    else:
-        for edge in _edges(nodes, certificate.kind):
-            axes.plot(*edge.T, color=ALARM, linewidth=2.0, zorder=6)
     fixed = nodes[~inner]
     axes.plot(*fixed.T, linestyle="none", marker="o", markersize=5, color=ALARM, zorder=7)
+    if certificate.kind == "conflict":
+        _draw_cells(axes, nodes.reshape(-1, 4, 2))
+        return
+    for edge in _edges(nodes, certificate.kind):
+        axes.plot(*edge.T, color=ALARM, linewidth=2.0, zorder=6)
     if "winding" in certificate.numbers:
         axes.plot(certificate.numbers["x"], certificate.numbers["y"], marker="x", color=ALARM, markersize=7, zorder=7)
     (x, y), reach = certificate.point, _AROUND / 2 * _extent(nodes, fixed, certificate.kind)
     if reach > 0:
         axes.set_xlim(x - reach, x + reach)
         axes.set_ylim(y - reach, y + reach)
+
+
+def _draw_cells(axes: Axes, cells: FloatArray) -> None:
+    """Draw cells (n, 4, 2), and show just them; if they are a thin band, stretched so that it fills the panel."""
+    for cell in cells:
+        axes.fill(*cell.T, facecolor=ALARM, alpha=0.2, edgecolor=ALARM, linewidth=1.5, zorder=4)
+    low, high = cells.min(axis=(0, 1)), cells.max(axis=(0, 1))
+    middle, reach = (low + high) / 2, _CLOSE / 2 * (high - low)
+    if reach.min() < reach.max() / _THIN:
+        axes.set_aspect("auto")
+        axes.title.set_text(f"{axes.get_title()} (stretched)")
+    else:
+        reach[:] = reach.max()
+    if reach.min() > 0:
+        axes.set_xlim(middle[0] - reach[0], middle[0] + reach[0])
+        axes.set_ylim(middle[1] - reach[1], middle[1] + reach[1])
 
 
 def _extent(nodes: FloatArray, fixed: FloatArray, kind: str) -> float:

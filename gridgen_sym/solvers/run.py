@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..functionals.definition import Functional
@@ -111,19 +111,20 @@ class Run:
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
         self.proofs = certificates(grid, search=True)
-        said = _proofs_text(self.proofs) or "No proof was found that there is no valid grid."
-        return f"{told} {quality(grid).describe_folds()}\n{said}"
+        proofs = _proofs_text(self.proofs) or "No proof was found that there is no valid grid."
+        return f"{told} {quality(grid).describe_folds()}\n{proofs}"
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:
-        """Return what the run has found, and what must be said of folds, if it is not yet, and of the weight."""
-        grid, message, proofs = Grid.from_planes(*self.coordinates), self.said + message, self.proofs
+        """Return what the run has found, with what must be said of folded cells and of the weight."""
         energy, smallest = self.problem.energy(self.coordinates)
-        if smallest > 0:
-            proofs = ()
-        elif proofs is None:
-            proofs = certificates(grid)
-            folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
-            message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}"
+        grid = Grid.from_planes(*self.coordinates)
+        message = self.said + message
+        proofs: tuple[Certificate, ...] = ()
+        if not smallest > 0:
+            proofs = certificates(grid) if self.proofs is None else self.proofs
+            if self.proofs is None:
+                folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
+                message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}"
         return Result(
             grid=grid,
             converged=converged,
@@ -140,6 +141,6 @@ class Run:
 UNTANGLED = "The grid was folded at the start and was untangled first: "
 
 
-def _proofs_text(proofs: Sequence[Certificate]) -> str:
+def _proofs_text(proofs: tuple[Certificate, ...]) -> str:
     """Return the proofs that no valid grid has a boundary, as a sentence; nothing where there are none."""
     return f"With this boundary {'; '.join(map(str, proofs))}." if proofs else ""

@@ -6,46 +6,94 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support_boundaries import flat_polygon, grid_of_ring, smooth_curve, valid_grids
+from support_boundaries import SEEDS, flat_polygon, grid_of_ring, smooth_curve, star_polygon, valid_grids
 
 import gridgen_sym as gg
 from gridgen_sym.grids.conflict import Conflict, contracted_places, find_conflict
-from gridgen_sym.grids.lattice import Lattice, convex_hull, doubled_area, halves, possible_part, turn
+from gridgen_sym.grids.lattice import (
+    Lattice,
+    convex_hull,
+    doubled_area,
+    halves,
+    possible_part,
+    simpler,
+    turn,
+    visible_part,
+)
+from gridgen_sym.grids.obstacles import outside_pieces
 
 
-def random_polygon(random, size=2**40):
-    points = random.integers(-size, size, (random.integers(3, 8), 2)).tolist()
+def random_polygon(random, corners=8, size=2**40):
+    points = random.integers(-size, size, (random.integers(3, corners), 2)).tolist()
     return convex_hull([(x, y) for x, y in points])
 
 
-def inside(polygon, point):
-    return all(turn(p, q, point) >= 0 for p, q in zip(polygon, polygon[1:] + polygon[:1], strict=True))
+def moved(polygon, x, y):
+    return tuple((p + x, q + y) for p, q in polygon)
+
+
+def inside(polygon, point, strictly=False):
+    turns = [turn(p, q, point) for p, q in zip(polygon, polygon[1:] + polygon[:1], strict=True)]
+    return min(turns) > 0 if strictly else min(turns) >= 0
 
 
 def points_in(random, polygon, count):
-    """Points of a polygon: rounded means of its corners that are still inside."""
+    """The corners of a polygon, and rounded means of these that are still inside."""
     weights = random.dirichlet(np.full(len(polygon), 0.5), count)
     found = [tuple(int(value) for value in np.rint(weight @ np.array(polygon, dtype=float))) for weight in weights]
-    return [point for point in found if inside(polygon, point)]
+    return [*polygon, *(point for point in found if inside(polygon, point))]
 
 
-@given(st.integers(0, 2**32 - 1))
+def assert_kept(part, region, possible):
+    """Check that what is left of a region has all its possible points, and hardly more than the region."""
+    part = region if part is None else part
+    if possible:
+        assert all(inside(part, q) for q in possible)
+    if part:
+        assert doubled_area(part) <= doubled_area(region) + 2**45
+
+
+@given(SEEDS)
 def test_no_possible_place_is_cut_off(seed):
     random = np.random.default_rng(seed)
     region, a, c = (random_polygon(random) for _ in range(3))
-    a = tuple((x + 2**41, y) for x, y in a)  # Apart, or else nearly every place is possible.
-    part = possible_part(region, a, c)
-    part = region if part is None else part
-    possible = [
-        q
-        for q in points_in(random, region, 40)
-        if any(turn(q, p, r) > 0 for p in [*a, *points_in(random, a, 6)] for r in [*c, *points_in(random, c, 6)])
-    ]
-    assert all(inside(part, q) for q in possible)
-    assert doubled_area(part) <= doubled_area(region) + 2**45 if part else not possible
+    a = moved(a, 2**41, 0)  # Apart, or else nearly every place is possible.
+    near, others = points_in(random, a, 6), points_in(random, c, 6)
+    possible = [q for q in points_in(random, region, 40) if any(turn(q, p, r) > 0 for p in near for r in others)]
+    assert_kept(possible_part(region, a, c), region, possible)
 
 
-@given(st.integers(0, 2**32 - 1))
+def is_hidden(p, q, obstacle):
+    """Whether the segment from p to q leads through the inside of a convex polygon: it is clipped, edge after edge."""
+    low, high = 0.0, 1.0
+    for s, t in zip(obstacle, obstacle[1:] + obstacle[:1], strict=True):
+        at_p, at_q = turn(s, t, p), turn(s, t, q)
+        if at_p <= 0 and at_q <= 0:
+            return False
+        if at_p < 0 or at_q < 0:
+            meets = at_p / (at_p - at_q)
+            low, high = (max(low, meets), high) if at_p < 0 else (low, min(high, meets))
+    return high - low > 1e-9
+
+
+@given(SEEDS, st.sampled_from(["apart", "a corner of it", "anywhere"]))
+def test_no_visible_place_is_cut_off(seed, where):
+    random = np.random.default_rng(seed)
+    region, a, obstacle = (random_polygon(random) for _ in range(3))
+    if where == "apart":
+        region, a = moved(region, 2**42, 0), moved(a, -(2**42), 0)
+        obstacle = moved(tuple((x, 4 * y) for x, y in obstacle), 0, 0)
+    elif where == "a corner of it":
+        a = obstacle[:1]
+    from_where = points_in(random, a, 6)
+    visible = [q for q in points_in(random, region, 40) if any(not is_hidden(p, q, obstacle) for p in from_where)]
+    part = visible_part(region, a, obstacle)
+    assert_kept(part, region, visible)
+    if where == "apart" and part is not None and not part:
+        assert not visible
+
+
+@given(SEEDS)
 def test_halves_hold_the_whole(seed):
     random = np.random.default_rng(seed)
     region = random_polygon(random)
@@ -54,27 +102,68 @@ def test_halves_hold_the_whole(seed):
     assert max(doubled_area(part) for part in parts) <= doubled_area(region)
 
 
-@given(st.integers(0, 2**32 - 1), st.sampled_from([1e-300, 1e-9, 1.0, 1e300]), st.sampled_from([0.0, 1.0, 1e6]))
+@given(SEEDS)
+def test_a_simpler_polygon_holds_the_whole(seed):
+    random = np.random.default_rng(seed)
+    angles = (np.arange(30) + 0.5 * random.random(30)) * np.pi / 15
+    region = convex_hull([(round(2**40 * np.cos(angle)), round(2**40 * np.sin(angle))) for angle in angles])
+    simple = simpler(region)
+    assert len(simple) <= 8
+    assert all(inside(simple, point) for point in region)
+    assert doubled_area(simple) < 1.2 * doubled_area(region)
+
+
+@given(SEEDS, st.integers(5, 40))
+def test_what_is_outside_of_a_polygon_is_cut_into_convex_pieces(seed, count):
+    points = np.rint(star_polygon(seed, count, 0.1) * 2**30)
+    ring = [(int(x), int(y)) for x, y in points]
+    pieces = outside_pieces(ring)
+    assert all(convex_hull(piece) == piece or set(convex_hull(piece)) == set(piece) for piece in pieces)
+    assert all(doubled_area(piece) > 0 for piece in pieces)
+    assert sum(map(doubled_area, pieces)) == doubled_area(convex_hull(ring)) - doubled_area(tuple(ring))
+    # A star is seen from its center.
+    assert not any(inside(piece, (0, 0), strictly=True) for piece in pieces)
+    assert all(point in ring for piece in pieces for point in piece)
+
+
+@given(SEEDS, st.sampled_from([1e-300, 1e-9, 1.0, 1e300]), st.sampled_from([0.0, 1.0, 1e6]))
 def test_a_lattice_has_its_points_without_an_error(seed, scale, shift):
     points = (np.random.default_rng(seed).random((5, 2)) + shift) * scale
     lattice = Lattice(points)
     assert np.array_equal(lattice.coordinates(lattice.points(points)), points)
 
 
+def assert_places_hold(grid):
+    """Check that nothing proves a valid grid impossible, and that each of its nodes is where it can be."""
+    places = contracted_places(grid, work=2000)
+    assert not isinstance(places, Conflict)
+    assert len(places) == (grid.shape[0] - 2) * (grid.shape[1] - 2)
+    center = grid.xy.mean(axis=(0, 1))
+    size = np.abs(grid.xy - center).max()
+    # Rounded to floating-point numbers, a polygon may have moved by some last bits of the largest coordinate.
+    slack = 1e-14 * np.abs(grid.xy).max() / size
+    for node, polygon in places.items():
+        p, q = (polygon - center) / size, (np.roll(polygon, -1, axis=0) - center) / size
+        x, y = (grid.xy[node] - center) / size
+        assert ((q - p)[:, 0] * (y - p[:, 1]) - (q - p)[:, 1] * (x - p[:, 0]) >= -slack).all()
+
+
 @settings(max_examples=30)
 @given(valid_grids())
 def test_the_nodes_of_a_valid_grid_are_where_they_can_be(grid):
-    """What is contracted too far would exclude a grid that is there; in numbers of the places themselves."""
-    places = contracted_places(grid, work=3000)
-    assert not isinstance(places, Conflict)
-    lattice = Lattice(grid.xy.reshape(-1, 2))
-    for node, polygon in places.items():
-        corners = lattice.points(polygon)
-        (point,) = lattice.points(grid.xy[node][None])
-        # Rounded to floating-point numbers, a polygon may have moved by a last bit of the largest coordinate.
-        slack = np.abs(polygon).max() * 1e-12 * float(lattice.scale)
-        for p, q in zip(corners, corners[1:] + corners[:1], strict=True):
-            assert turn(p, q, point) >= -slack * max(abs(q[0] - p[0]), abs(q[1] - p[1]))
+    assert_places_hold(grid)
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("make", [lambda *a: star_polygon(*a, 1e-6), lambda *a: flat_polygon(*a, 1e-2)])
+def test_the_nodes_of_an_untangled_grid_are_where_they_can_be(make, seed):
+    """There is hardly a choice for the nodes of these."""
+    start = grid_of_ring(make(seed, 14), 5, 4)
+    result = gg.untangle(start)
+    if result.converged:
+        assert_places_hold(result.grid)
+    else:
+        assert result.certificates
 
 
 #: Boundaries of grids (ni, nj) without a valid grid, and how many cells are left of what conflicts, at most.
@@ -82,7 +171,8 @@ IMPOSSIBLE = {
     "a long neck": (grid_of_ring(smooth_curve(3211, 12, 0.6), 5, 3), 8),
     "a wave": (grid_of_ring(smooth_curve(2741, 16, 0.6), 5, 5), 2),
     "a band": (grid_of_ring(flat_polygon(9, 12, 1e-2), 3, 5), 3),
-    "a band that only cases decide": (grid_of_ring(flat_polygon(475, 18, 1e-2), 6, 5), 20),
+    "a band that only cases decide": (grid_of_ring(flat_polygon(416, 20, 1e-2), 4, 8), 20),
+    "a bay that only sight decides": (grid_of_ring(smooth_curve(906, 20, 0.6), 7, 5), 6),
 }
 
 
@@ -98,6 +188,31 @@ def test_cells_that_conflict_are_found(start, most):
     assert set(again.cells) <= set(found.cells)
 
 
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
+@pytest.mark.parametrize("turned", [0.0, 0.7])
+def test_neither_the_unit_of_length_nor_the_place_nor_the_direction_matters(scale, turned):
+    turning = np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])
+    start = grid_of_ring(scale * (smooth_curve(3211, 12, 0.6) @ turning + 1e3), 5, 3)
+    assert find_conflict(start) is not None
+
+
+def test_a_certificate_of_the_search_names_cells():
+    start, most = IMPOSSIBLE["a wave"]
+    (proof,) = gg.certificates(start, search=True)
+    assert proof.kind == "conflict"
+    assert len(proof.nodes) == 4 * proof.numbers["cells"] <= 4 * most
+    for i, j in proof.nodes[::4]:
+        assert f"({i}, {j})" in proof.message
+        assert proof.nodes[proof.nodes.index((i, j)) :][:4] == ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))
+    assert gg.untangle(start).certificates[0].kind == "conflict"
+
+
 def test_out_of_work_is_no_proof():
     start, _ = IMPOSSIBLE["a band"]
     assert find_conflict(start, work=5) is None
+
+
+def test_a_valid_grid_is_not_searched():
+    grid = gg.optimize(gg.domain("swan", 21, 21), "winslow").grid
+    assert find_conflict(grid) is None
+    assert gg.certificates(grid, search=True) == ()

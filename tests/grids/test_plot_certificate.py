@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
 from gridgen_sym.errors import GridgenError
@@ -25,10 +26,12 @@ def square(**moved):
         (square(b4=(0.375, 0.0)), ["1: two nodes at one point"]),
         (square(b3=(0.5, 0.25), b4=(0.5, 0.75), b5=(0.5, 0.25)), ["1: the boundary runs back"]),
         (gg.Grid(square().xy[::-1]), ["1: the boundary runs clockwise"]),
+        (grid_of_ring(smooth_curve(2741, 16, 0.6), 5, 5), ["1: 2 cells cannot all be valid"]),
+        (grid_of_ring(flat_polygon(9, 12, 1e-2), 3, 5), ["1: 3 cells cannot all be valid (stretched)"]),
     ],
 )
 def test_each_kind_has_a_panel(grid, titles, tmp_path):
-    found = gg.certificates(grid)
+    found = gg.certificates(grid, search=True)
     figure = gg.plot_certificates(grid, tmp_path / "why.png")
     whole, *panels = figure.axes
     assert whole.get_title() == "no valid grid exists"
