@@ -5,12 +5,17 @@ from __future__ import annotations
 import os
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 if "PYTEST_XDIST_WORKER" in os.environ:
     # Tests that run side by side share the processors: two threads each would wait for each other.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from gridgen_sym.functionals import definition
+
+# Property-based tests draw the same examples on every machine, and none fails because a machine is busy.
+settings.register_profile("steady", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("steady")
 
 
 @pytest.fixture(autouse=True)

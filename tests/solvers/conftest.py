@@ -6,13 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, settings
 
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
-
-settings.register_profile("steady", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
-settings.load_profile("steady")
 
 METHODS = ("newton", "local")
 BARRIER = ("winslow", "modified_liao", "area_winslow")
