@@ -30,7 +30,7 @@ _WINDOW, _WINDOW_STEPS = 3e-1, 40
 #: A factor for the gradient to fall by that no rounding is in the way of.
 _MODEST = 1e-1
 #: Relative residuals of the linear solves, and that of the last one.
-_LOOSEST, _TIGHTEST, _LAST = 0.1, 1e-3, 1e-5
+_LOOSEST, _TIGHTEST, _LAST = 0.05, 1e-3, 1e-5
 
 
 def minimize(
