@@ -7,6 +7,7 @@ import pytest
 from solvers.conftest import farthest, hopeless_grid
 
 import gridgen_sym as gg
+from gridgen_sym.adaptation.law import law_of, weight_values
 
 from .conftest import SHARP, front, interpolation_error, ring, shock, two_scales
 
@@ -166,6 +167,19 @@ def test_a_moving_front_is_followed_by_a_few_steps_at_a_time():
         assert result.quality.valid
         assert interpolation_error(result.grid, moved) < interpolation_error(square(), moved) / 3
         grid = result.grid
+
+
+def test_weights_of_laws_and_of_ones_own_power():
+    """Where the cells' areas are a, and the density over its mean r: r^p/a^q, and r^p for a power that is given."""
+    grid = gg.Grid(0.5 * square(5).xy)
+    area, density = 0.5**2 / 16, np.full((5, 5), 3.0)
+    density[2, 2] = 19.0  # The mean over the cells is 4.
+    for name, power, expected in (
+        ("area", None, density / 4 / area**2),
+        ("length", None, density / 4 / area),
+        ("mine", 0.5, np.sqrt(density / 4)),
+    ):
+        np.testing.assert_allclose(weight_values(density, grid, law_of(name, power)), expected, rtol=1e-12)
 
 
 def test_a_functional_of_ones_own_needs_its_power():

@@ -63,6 +63,19 @@ def test_gradients_and_hessians_are_of_second_order_inside():
     assert hessian_error(33) < 0.1
 
 
+def test_the_hessian_treats_both_directions_alike():
+    """Mirrored at the diagonal, grid and solution, it has the same entries; the boundary has those of its neighbors."""
+    grid = skewed(9)
+    mirrored = gg.Grid.from_planes(grid.y.T, grid.x.T)
+    values = np.random.default_rng(0).normal(size=grid.shape)
+    u_xx, u_xy, u_yy = gg.recover_hessian(grid, values)
+    np.testing.assert_allclose(
+        gg.recover_hessian(mirrored, values.T), [u_yy.T, u_xy.T, u_xx.T], rtol=1e-9, atol=1e-9 * np.abs(u_xx).max()
+    )
+    for field in (u_xx, u_xy, u_yy):
+        np.testing.assert_array_equal(field, np.pad(field[1:-1, 1:-1], 1, mode="edge"))
+
+
 def test_the_recovery_error_is_that_of_the_gradient():
     """Its root sum of squares over the true error of the gradient tends to 1."""
 

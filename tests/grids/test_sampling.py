@@ -75,7 +75,7 @@ def cost_of(places, worth, chosen):
 def test_the_cheapest_choice_of_vertices_is_taken(seed):
     """All choices are tried, of polylines with a few turns, some blunt, some nearer to each other than a cell."""
     random = np.random.default_rng(seed)
-    cells, steps = 12, random.choice((0.3, 0.8, 2.0, 3.0), 5) * random.uniform(0.8, 1.2, 5)
+    cells, steps = 12, random.choice((0.15, 0.8, 2.0, 3.0), 5) * random.uniform(0.8, 1.2, 5)
     direction = np.cumsum(np.radians(random.uniform(10, 70, 5)) * random.choice((-1, 1), 5))
     line = np.cumsum([[0, 0], *np.stack((steps * np.cos(direction), steps * np.sin(direction)), axis=1)], axis=0)
     length = arc_lengths(line)
