@@ -9,14 +9,16 @@ from __future__ import annotations
 import numpy as np
 
 from ..runtime import Array, Mask
-from .problem import Problem, converged_message, jacobian_floor, norm_of
+from .goal import Goal
+from .point import Point
+from .problem import Problem, converged_message, jacobian_floor
 from .progress import Progress
 
 COLORS = 4
 
 
 def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, reach: float) -> float:
-    """Visit every node that is not in `fixed` once, in place; then the weight is evaluated anew.
+    """Visit every node that is not in `fixed` once, in place; the weight is not evaluated anew.
 
     Args:
         problem: what is minimised.
@@ -28,7 +30,7 @@ def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, re
     Returns:
         The largest component of a step, taken or not.
     """
-    step = max(
+    return max(
         problem.kernels.sweep(
             coordinates,
             problem.weights(coordinates),
@@ -40,8 +42,6 @@ def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, re
         )
         for color in range(COLORS)
     )
-    problem.refresh(coordinates)
-    return step
 
 
 def sweep_until_converged(
@@ -58,35 +58,32 @@ def sweep_until_converged(
     Returns:
         Whether it converged, and why it stopped.
     """
-    energy, smallest, gradient = problem.energy_gradient(coordinates)
-    norm = norm_of(gradient)
-    first = min(norm, problem.gradient_scale(coordinates, energy) or norm)
-    progress.step(0, energy, norm, smallest)
+    point = Point(problem, coordinates)
+    goal = Goal(point, tolerance)
+    progress.step(0, point.energy, point.norm, point.smallest)
     # A node that goes farther in one step has left the domain for good.
     reach = 1e3 * float(np.ptp(coordinates))
     guard = keep_valid or problem.kernels.barrier
     # On a folded start there is no validity to keep, and corners that cannot be mended would hold all others back.
-    floor = jacobian_floor(smallest) if guard and smallest > 0 else -1.0
-    round_off = problem.round_off(coordinates, gradient)
+    floor = jacobian_floor(point.smallest) if guard and point.smallest > 0 else -1.0
     for iteration in range(max_iterations + 1):
-        if norm <= max(tolerance * first, round_off):
-            return True, converged_message("gradient", norm, first, iteration)
+        if goal.reached(point):
+            return True, converged_message("gradient", point.norm, goal.first, iteration)
         if iteration == max_iterations:
             break
         step = sweep(problem, coordinates, problem.fixed, floor=floor, reach=reach)
         if step >= reach:
             why = "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid."
             return False, why
-        energy, smallest, gradient = problem.energy_gradient(coordinates, out=gradient)
-        norm = norm_of(gradient)
-        progress.step(iteration + 1, energy, norm, smallest)
+        point.evaluate()
+        progress.step(iteration + 1, point.energy, point.norm, point.smallest)
         if step == 0:
             return False, (
                 f"no node can move to a lower local energy{' without folding a cell' if guard else ''}, and the "
-                f"gradient's norm is {norm:.2e}, {norm / first:.1e} of its first value."
+                f"gradient's norm is {point.norm:.2e}, {point.norm / goal.first:.1e} of its first value."
             )
     return False, (
-        f"{max_iterations} sweeps have brought the gradient's norm to {norm:.2e}, {norm / first:.1e} of its first "
-        f"value, not to {tolerance:.1e}: allow more with max_iterations, or use method='newton'"
-        f"{'; if cells that would fold hold it back, keep_valid=False lets them' if keep_valid else ''}."
+        f"{max_iterations} sweeps have brought the gradient's norm to {point.norm:.2e}, "
+        f"{point.norm / goal.first:.1e} of its first value, not to {tolerance:.1e}: allow more with max_iterations, or "
+        f"use method='newton'{'; if cells that would fold hold it back, keep_valid=False lets them' * keep_valid}."
     )

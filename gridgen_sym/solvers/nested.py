@@ -19,7 +19,7 @@ from .untangle import unfold
 #: A direction with this many cells is not halved further.
 _FEWEST_CELLS = 16
 #: How well a coarse problem is solved: its solution is only a start for the next.
-_TOLERANCE, _STEPS = 1e-3, 30
+_TOLERANCE, _STEPS = 1e-2, 30
 
 
 def worth_nesting(problem: Problem, coordinates: Array) -> bool:

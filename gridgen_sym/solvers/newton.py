@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime import Array
+from .goal import Goal
 from .line_search import LineSearch
 from .linear import LinearSolver, Solution, hessian_solver
 from .nonlinear_elimination import eliminate
@@ -27,8 +28,6 @@ _STALLED, _STALLS = 0.5, 2
 _STEEP, _POOR = 5e-3, 0.25
 #: Factor by which the gradient falls in a window, and Newton steps there.
 _WINDOW, _WINDOW_STEPS = 3e-1, 40
-#: A factor for the gradient to fall by that no rounding is in the way of.
-_MODEST = 1e-1
 #: Relative residuals of the linear solves, and that of the last one.
 _LOOSEST, _TIGHTEST, _LAST = 0.05, 1e-3, 1e-5
 
@@ -73,46 +72,43 @@ def minimize(
     """
     guard, barrier = keep_valid or problem.kernels.barrier, problem.kernels.barrier
     point, before = Point(problem, coordinates), 0.0
-    scale = problem.gradient_scale(coordinates, point.energy)
-    first = min(reference or point.norm, scale or point.norm)
+    goal = Goal(point, tolerance, reference)
     progress.step(0, point.energy, point.norm, point.smallest)
     floor = jacobian_floor(point.smallest)
-    # Who asks for little will not come near to rounding.
-    round_off = problem.round_off(coordinates, point.gradient) if tolerance < _MODEST else 0.0
     state = _Newton(problem, solver or hessian_solver(problem.fixed, problem.kernels.backend), semidefinite)
     cut, held_back, extent, trial = 0, 0, float(np.ptp(coordinates)), np.empty_like(coordinates)
     for iteration in range(max_iterations + 1):
         if until_valid and point.smallest > 0:
             return True, "the grid is valid."
-        if point.norm <= max(tolerance * first, round_off):
-            return True, converged_message("gradient", point.norm, first, iteration) + step_control_message(cut)
+        if goal.reached(point):
+            return True, converged_message("gradient", point.norm, goal.first, iteration) + step_control_message(cut)
         if iteration == max_iterations:
             break
-        if barrier and point.norm > max(_STEEP * scale, _POOR * before):
+        if barrier and point.norm > max(_STEEP * goal.scale, _POOR * before):
             eliminate(point, _minimize_window)
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.
         lowest = max(floor, 0.1 * point.smallest) if guard and point.smallest > 0 else -np.inf
         search = LineSearch(point, lowest, trial)
         step = state.downhill(search)
         if step is None:
-            return False, _stuck("no step downhill was found", point.norm, first)
+            return False, _stuck("no step downhill was found", point.norm, goal.first)
         if diverges(step, extent):
             why = "the steps diverge, which happens where the energy has no lower bound"
-            return False, _stuck(why, point.norm, first)
+            return False, _stuck(why, point.norm, goal.first)
         coordinates += step
         energy, before = point.energy, point.norm
         point.evaluate()
         progress.step(iteration + 1, point.energy, point.norm, point.smallest)
-        state.learn(search, point.norm / before, max(tolerance * first, round_off) / (point.norm or 1.0))
+        state.learn(search, point.norm / before, goal.norm / (point.norm or 1.0))
         cut += search.folds and not barrier  # A barrier's own line search is nothing to tell.
         held_back = held_back + 1 if search.folds and energy - point.energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
             why = "the minimum lies beyond the valid grids: every step downhill would fold a cell"
             return False, (
-                f"{_stuck(why, point.norm, first)} This is the best valid grid; keep_valid=False lets cells fold."
+                f"{_stuck(why, point.norm, goal.first)} This is the best valid grid; keep_valid=False lets cells fold."
             )
     why = f"{max_iterations} Newton steps were not enough; allow more with max_iterations"
-    return False, _stuck(why, point.norm, first) + step_control_message(cut)
+    return False, _stuck(why, point.norm, goal.first) + step_control_message(cut)
 
 
 def _minimize_window(problem: Problem, coordinates: Array) -> None:

@@ -40,7 +40,8 @@ def test_folds_are_counted_over_many_rows_as_over_few():
     valid = disordered(1, 90, 300, 0.01)
     assert Folds.of(valid).cells == 0
     assert Folds.of(valid, rows=gg.grids.corner_jacobians(*valid).min(axis=(0, 2))) == Folds.of(valid)
-    assert mean_jacobian(place) == pytest.approx(np.abs(gg.grids.corner_jacobians(*place)).mean())
+    assert mean_jacobian(place) == pytest.approx(np.abs(gg.grids.corner_jacobians(*place)).mean(), rel=0.02)
+    assert mean_jacobian(place[:, :9]) == pytest.approx(np.abs(gg.grids.corner_jacobians(*place[:, :9])).mean())
 
 
 def test_a_corner_that_no_free_node_can_mend_is_not_to_be_mended():

@@ -131,6 +131,20 @@ def test_it_comes_before_the_first_step(monkeypatch):
     assert called == [result.history[0].gradient_norm]
 
 
+@each_barrier
+@pytest.mark.parametrize("eliminates", [True, False])
+def test_an_almost_folded_start_does_not_pass_for_a_measure(name, eliminates, monkeypatch):
+    """Its energy is larger by any factor, and so is its gradient: a part of that means nothing."""
+    place = solved(name)
+    least = make_problem(gg.Grid.from_planes(*place), name).energy(place)[0]
+    place[:, 1, 30] += (1 - 1e-10) * (place[:, 2, 30] - place[:, 1, 30])
+    if not eliminates:
+        monkeypatch.setattr(newton, "eliminate", lambda point, minimize: None)
+    result = gg.optimize(gg.Grid.from_planes(*place), name)
+    assert result.converged
+    assert result.energy == pytest.approx(least, rel=1e-9)
+
+
 def test_no_iteration_allowed_is_none_done():
     place = squeezed("winslow")
     result = gg.optimize(gg.Grid.from_planes(*place), "winslow", max_iterations=0)
