@@ -160,5 +160,5 @@ def _check_positive(grid: Grid, m: Array, what: str, *, smallest: float) -> None
         i, j = divmod(int(m.argmin()), m.shape[1])
         raise GridgenError(
             f"a monitor's {what}: it is {m.min():.6g} at node ({i}, {j}), x = {grid.x[i, j]:.6g}, "
-            f"y = {grid.y[i, j]:.6g}. Take its absolute value, or add {max(-m.min(), 0) + 1:.6g} to it"
+            f"y = {grid.y[i, j]:.6g}. Take its absolute value, or add {1 - m.min():.6g} to it"
         )

@@ -48,9 +48,7 @@ class Side:
     def wanted(self, density: Array) -> Array:
         """Return where the nodes are evenly spaced in the integral of the density, (n,) along the present nodes."""
         integral = np.concatenate(([0.0], np.cumsum(np.diff(self.at) * (density[1:] + density[:-1]) / 2)))
-        at = np.interp(np.linspace(0.0, integral[-1], len(integral)), integral, self.at)
-        at[0], at[-1] = self.at[0], self.at[-1]
-        return at
+        return np.interp(np.linspace(0.0, integral[-1], len(integral)), integral, self.at)
 
 
 def sliding_sides(grid: Grid, boundary: Boundary, fixed: npt.ArrayLike | None) -> list[Side]:
@@ -60,7 +58,7 @@ def sliding_sides(grid: Grid, boundary: Boundary, fixed: npt.ArrayLike | None) -
         polygon = grid.planes[(slice(None), *place)].copy()
         length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(polygon, axis=1)))))
         held = fixed is not None and bool(np.asarray(fixed)[place][1:-1].any())
-        if boundary != "fixed" and not held and (boundary == "all" or _straight(polygon, length[-1])):
+        if boundary != "fixed" and not held and (boundary == "all" or _straight(polygon)):
             sides.append(Side(place, polygon, length, length.copy()))
     return sides
 
@@ -88,12 +86,12 @@ def slide(sides: list[Side], grid: Grid, density: Array, fixed: Mask, damping: f
     return grid
 
 
-def _straight(polygon: Array, length: float) -> bool:
-    """Return whether a side runs straight, and forwards only."""
+def _straight(polygon: Array) -> bool:
+    """Return whether a side runs straight; that of a valid grid then runs forwards only."""
     along = polygon[:, -1] - polygon[:, 0]
     reach = float(np.hypot(*along))
     if reach == 0:
         return False
     steps = polygon - polygon[:, :1]
     off = np.abs(along[0] * steps[1] - along[1] * steps[0]).max() / reach
-    return bool(off <= _STRAIGHT * reach and length <= reach * (1 + _STRAIGHT))
+    return bool(off <= _STRAIGHT * reach)

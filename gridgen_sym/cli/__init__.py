@@ -1,7 +1,7 @@
 """The command line. It parses, prints and sets exit codes; all work is done elsewhere.
 
 Exit codes: 0 for success; 1 where an answer is bad (folded cells, a difference, a failed check); 2 for input that
-cannot be used; 130 after Ctrl-C. Modules here import only click: what a command needs is loaded when it runs.
+cannot be used; 130 after Ctrl-C. What a command needs is loaded when it runs.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from ..symbolic.coordinates import ALONG, METRIC, REGULARIZATION
+from ..symbolic.definiteness import almost_everywhere
 from .kernel import Assignment, Program, reciprocal
 
 #: Whole powers up to this one become products; larger ones call pow.
@@ -62,9 +63,7 @@ def _definitions(expressions: Iterable[Expr], given: set[Symbol]) -> dict[Symbol
 
 def _without_negative_powers(expression: Expr) -> Expr:
     """Write x**-n as reciprocal(x)**n, so that one division serves all powers."""
-    # The second derivative of abs() is zero but at one point, which a grid does not meet.
-    expression = expression.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
-    return expression.replace(
+    return almost_everywhere(expression).replace(
         lambda node: isinstance(node, sympy.Pow) and node.exp.is_Rational and node.exp < 0,
         lambda node: (
             reciprocal(node.base) ** -node.exp

@@ -60,7 +60,7 @@ def corner_penalty(points: FloatArray, corners: NDArray[np.intp], ni: int, nj: i
 def automatic_corners(points: FloatArray, ni: int, nj: int) -> Corners:
     """Return the corners of least penalty among the sharpest vertices and some at equal arc lengths.
 
-    Of the two equal ways to number them, corner 0 is taken nearest to point 0.
+    Of equal ways to number them the one is taken whose corner 0 is nearest to point 0.
     """
     length, total = _closed_lengths(points)
     angle = _vertex_angles(points, length, total, total / (2 * (ni + nj) - 4))
@@ -69,7 +69,7 @@ def automatic_corners(points: FloatArray, ni: int, nj: int) -> Corners:
     chosen = np.array(list(combinations(candidates.tolist(), 4)))
     ways = np.concatenate([np.roll(chosen, -shift, axis=1) for shift in range(4)])
     first = length[ways[:, 0]]
-    # Ties, between a numbering and the opposite one, go to the nearest start: rounding must not decide.
+    # Ties, such as that of a numbering with the opposite one, go to the nearest start: rounding must not decide.
     penalty = corner_penalty(points, ways, ni, nj).round(9)
     best = ways[np.lexsort((np.minimum(first, total - first), penalty))[0]]
     return _as_corners(best)

@@ -1,4 +1,4 @@
-"""Boundaries from files: a closed curve with four corners, checked, and the grid inside it."""
+"""Outlines: closed curves with four corners, checked, read and written, and the grids inside them."""
 
 from __future__ import annotations
 

@@ -11,9 +11,7 @@ SECOND = ("x_xixi", "x_xieta", "x_etaeta", "y_xixi", "y_xieta", "y_etaeta")
 
 def written_out(expression: Any) -> Any:  # noqa: ANN401 - SymPy expressions; SymPy is not imported here
     """Return an expression with the metric written out and the weight 1."""
-    import sympy
-
     from ..symbolic.coordinates import expand_metric, s
+    from ..symbolic.definiteness import almost_everywhere
 
-    # The second derivative of abs() is zero but at one point, which random numbers do not meet.
-    return expand_metric(expression).subs(s, 1).replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
+    return almost_everywhere(expand_metric(expression).subs(s, 1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import sympy
@@ -56,9 +56,10 @@ def semidefinite(matrix: sympy.Matrix, *, nonnegative: Iterable[Symbol] = ()) ->
     return Definiteness(holds=True, proof="proved" if proved else "sampled")
 
 
-def almost_everywhere(matrix: sympy.Matrix) -> sympy.Matrix:
-    """Return second derivatives without the impulses at the kinks of absolute values."""
-    return matrix.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero) if matrix.has(sympy.DiracDelta) else matrix
+def almost_everywhere(derivatives: Any) -> Any:  # noqa: ANN401 - an expression, or a matrix of them
+    """Return second derivatives without the impulses at the kinks of absolute values: points, which no grid meets."""
+    impulses = derivatives.has(sympy.DiracDelta)
+    return derivatives.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero) if impulses else derivatives
 
 
 def without_functions(matrix: sympy.Matrix) -> tuple[sympy.Matrix, tuple[Symbol, ...]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -377,6 +379,13 @@ def test_turning_the_domain_turns_the_result(name):
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="slow without a compiler")
+def test_the_gradient_must_fall_from_that_of_the_start_that_was_given():
+    """Coarse grids give a better start, folded like the one that was given; no barrier forbids to compare with that."""
+    result = gg.optimize(gg.domain("swan", 33, 33), "knupp")
+    norm, ratio = map(float, re.search(r"fallen to (\S+), (\S+) of its first value", result.message).groups())
+    assert norm / ratio > 1.4 * result.history[0].gradient_norm
+
+
 def test_few_steps_without_polyconvexity():
     """Knupp's full Hessian is not positive far from the minimum; clamped and not shifted, it took 38 steps."""
     result = gg.optimize(gg.domain("wavy", 65, 65), "knupp", tolerance=1e-8)
