@@ -15,6 +15,7 @@ from .nested import Nested, worth_nesting
 from .problem import Problem, norm_of
 from .progress import Progress
 from .result import Result
+from .stretched import unfold_stretched
 from .untangle import unfold
 
 
@@ -94,6 +95,8 @@ class Run:
         self.report.begin("untangle", self.problem.fixed.shape)
         valid = unfold(self.problem, self.functional, self.coordinates, self.parameters, self.report)
         valid = valid or lift(self.coordinates, self.problem.fixed, self.report)
+        if not valid and not certificates(Grid.from_planes(*self.coordinates)):
+            valid = unfold_stretched(self.problem, self.coordinates, self.report)
         self.problem.refresh(self.coordinates)
         return valid
 
