@@ -19,7 +19,7 @@ from .folds import Folds
 from .progress import Progress
 
 #: Nodes up to so many cells from a fold are moved, at first and then; of a fold with more of them, none is.
-_LAYERS, _MOST_NODES = (3, 9), 400
+_LAYERS, MOST_NODES = (3, 9), 400
 #: First trust radius over the extent of the nodes; the radius at which there is no way up; factors.
 _RADIUS, _SMALLEST, _SHRINK, _GROW = 0.3, 1e-7, 0.2, 2.0
 #: It ends if so many programs have lifted the fold by less than this part of its depth.
@@ -34,16 +34,17 @@ def lift(coordinates: Array, fixed: Mask, progress: Progress) -> bool:
     for layers in _LAYERS:
         before, folds = coordinates.copy(), Folds.of(coordinates)
         try:
-            for free in _surroundings(coordinates, fixed, layers):
-                _Fold(coordinates, free).lift(progress)
+            for free in surroundings(coordinates, fixed, layers):
+                if free.sum() <= MOST_NODES:
+                    Fold(coordinates, free).lift(progress)
         finally:
             if not Folds.of(coordinates) < folds:
                 coordinates[...] = before
     return Folds.of(coordinates).cells == 0
 
 
-def _surroundings(coordinates: Array, fixed: Mask, layers: int) -> Iterator[npt.NDArray[np.bool_]]:
-    """Return the free nodes (ni, nj) up to some cells from each fold at a corner with a free node, if not too many."""
+def surroundings(coordinates: Array, fixed: Mask, layers: int) -> Iterator[npt.NDArray[np.bool_]]:
+    """Return the free nodes (ni, nj) up to some cells from each fold at a corner with a free node."""
     from scipy.ndimage import binary_dilation, label
 
     folded = corner_jacobians(coordinates[0], coordinates[1]) <= 0
@@ -53,12 +54,10 @@ def _surroundings(coordinates: Array, fixed: Mask, layers: int) -> Iterator[npt.
         nodes[i : i + cells.shape[0], j : j + cells.shape[1]] |= cells
     groups, count = label(binary_dilation(nodes, np.ones((3, 3)), iterations=layers), np.ones((3, 3)))
     for group in range(1, count + 1):
-        free = (groups == group) & (fixed == 0)
-        if free.sum() <= _MOST_NODES:
-            yield free
+        yield (groups == group) & (fixed == 0)
 
 
-class _Fold:
+class Fold:
     """The corners of cells that a few free nodes belong to, and the way to lift the smallest of their Jacobians."""
 
     def __init__(self, coordinates: Array, free: npt.NDArray[np.bool_]) -> None:

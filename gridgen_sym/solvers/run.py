@@ -15,6 +15,7 @@ from .nested import Nested, worth_nesting
 from .problem import Problem, norm_of
 from .progress import Progress
 from .result import Result
+from .stretched import unfold_stretched
 from .untangle import unfold
 
 
@@ -32,7 +33,7 @@ class Run:
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
         said: what to say before the solver's own message.
-        proofs: that no valid grid has this boundary, where untangling could not find one; None if that did not happen.
+        proofs: that no valid grid has this boundary, where untangling could not find one; None where there are none.
     """
 
     problem: Problem
@@ -94,6 +95,9 @@ class Run:
         self.report.begin("untangle", self.problem.fixed.shape)
         valid = unfold(self.problem, self.functional, self.coordinates, self.parameters, self.report)
         valid = valid or lift(self.coordinates, self.problem.fixed, self.report)
+        if not valid:
+            self.proofs = certificates(Grid.from_planes(*self.coordinates), search=True) or None
+            valid = self.proofs is None and unfold_stretched(self.problem, self.coordinates, self.report)
         self.problem.refresh(self.coordinates)
         return valid
 
@@ -110,7 +114,7 @@ class Run:
         told = "this is the start."
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
-        self.proofs = certificates(grid, search=True)
+        self.proofs = self.proofs or certificates(grid, search=True)
         proofs = _proofs_text(self.proofs) or "No proof was found that there is no valid grid."
         return f"{told} {quality(grid).describe_folds()}\n{proofs}"
 

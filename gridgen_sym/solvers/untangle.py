@@ -12,7 +12,7 @@ functionals like: what stays folded is tried again in coordinates in which the b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from ..functionals.definition import Functional
@@ -133,39 +133,58 @@ class _Search:
 
     def everywhere(self, start: Array) -> None:
         """Lower the energy at all nodes, in every frame."""
-        solver = hessian_solver(self.problem.fixed, self.problem.kernels.backend)
-
-        def minimize_all(regular: Problem, place: Array) -> None:
-            minimize(
-                regular,
-                place,
-                self.progress,
-                tolerance=_TOLERANCE,
-                max_iterations=_STEPS,
-                keep_valid=False,
-                until_valid=True,
-                semidefinite=True,
-                solver=solver,
-            )
-
+        lower = at_all_nodes(self.problem, self.progress)
         for frame in frames(start):
-            self._follow(start, frame, minimize_all)
+            self._follow(start, frame, lower)
             if self.done:
                 break
 
     def _follow(self, start: Array, frame: Frame, lower: _Lower) -> None:
-        """Follow the minima for falling epsilon from a start, as long as that is progress."""
+        """Follow the minima for falling epsilon from a start."""
         place, fixed = frame.of(start), self.problem.fixed
-        folds = [self.problem.folds(place, mendable=True)]
-        size = mean_jacobian(place)
-        epsilon = max(_DEPTH * folds[0].depth, _SIZE * size)
-        while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:]):
-            try:
-                lower(regularized(self.problem, self.functional, self.parameters, epsilon), place)
-            finally:  # Ctrl-C may come in the midst of a step.
+        try:
+            for _ in path(self.problem, self.functional, place, self.parameters, lower):
                 self.least.offer(frame.back(place, start, fixed))
-            folds.append(self.problem.folds(place, mendable=True))
-            epsilon *= _FALL
+        finally:  # Ctrl-C may come in the midst of a step.
+            self.least.offer(frame.back(place, start, fixed))
+
+
+def at_all_nodes(problem: Problem, progress: Progress) -> _Lower:
+    """Return what lowers the energy at all nodes of a problem, by Newton's method."""
+    solver = hessian_solver(problem.fixed, problem.kernels.backend)
+
+    def lower(regular: Problem, place: Array) -> None:
+        minimize(
+            regular,
+            place,
+            progress,
+            tolerance=_TOLERANCE,
+            max_iterations=_STEPS,
+            keep_valid=False,
+            until_valid=True,
+            semidefinite=True,
+            solver=solver,
+        )
+
+    return lower
+
+
+def path(
+    problem: Problem,
+    functional: Functional,
+    coordinates: Array,
+    parameters: Mapping[str, float] | None,
+    lower: _Lower,
+) -> Iterator[None]:
+    """Follow the minima for falling epsilon, changing `coordinates` in place, as long as that is progress."""
+    folds = [problem.folds(coordinates, mendable=True)]
+    size = mean_jacobian(coordinates)
+    epsilon = max(_DEPTH * folds[0].depth, _SIZE * size)
+    while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:]):
+        lower(regularized(problem, functional, parameters, epsilon), coordinates)
+        folds.append(problem.folds(coordinates, mendable=True))
+        epsilon *= _FALL
+        yield
 
 
 def _ended(folds: list[Folds]) -> bool:

@@ -1,0 +1,127 @@
+"""Folds that stay in every other way: windows round them are untangled in stretched coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
+
+import gridgen_sym as gg
+from gridgen_sym.grids import corner_jacobians
+from gridgen_sym.solvers.frame import stretched_frames
+from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.progress import Progress, StopRequest
+from gridgen_sym.solvers.stretched import unfold_stretched
+
+from .conftest import BARRIER, edges
+
+
+def band(seed, ni, nj, thickness):
+    """The transfinite grid of a random band."""
+    return grid_of_ring(flat_polygon(seed, 2 * (ni + nj) - 4, thickness), ni, nj)
+
+
+def neck():
+    """A boundary of which no grid is valid, with room for all cells but two."""
+    return grid_of_ring(smooth_curve(3211, 12, 0.6), 5, 3)
+
+
+#: Seed, shape and thickness of bands whose transfinite grids the minima of no functional in the library unfold.
+BANDS = [(20111, 6, 7, 3e-2), (20304, 8, 7, 3e-2), (907, 8, 5, 1e-2)]
+
+
+@pytest.mark.parametrize("name", BARRIER)
+def test_a_band_is_gridded(name):
+    start = band(*BANDS[1])
+    result = gg.untangle(start, name)
+    assert result.converged, result.message
+    assert np.array_equal(edges(result.grid.xy), edges(start.xy))
+
+
+def unfold(start, fixed=None, stop_at=None):
+    """Return the coordinates that `unfold_stretched` makes of a grid, and whether it says that they are valid."""
+    place, problem = start.planes.copy(), make_problem(start, "winslow", fixed=fixed)
+
+    def stop(step):
+        nonlocal stop_at
+        stop_at = stop_at and stop_at - 1
+        if stop_at == 0:
+            raise StopIteration
+
+    with Progress("unfold", stop, show=False) as report:
+        try:
+            return place, unfold_stretched(problem, place, report)
+        except StopRequest:
+            return place, False
+
+
+@pytest.mark.parametrize("number", range(len(BANDS)))
+def test_transfinite_grids_of_bands_become_valid(number):
+    place, valid = unfold(band(*BANDS[number]))
+    assert valid
+    assert corner_jacobians(*place).min() > 0
+
+
+def test_bands_at_any_size_place_and_angle_become_valid():
+    turn = np.array([[np.cos(1.0), np.sin(1.0)], [-np.sin(1.0), np.cos(1.0)]])
+    start = band(*BANDS[2]).xy
+    for moved in (1e-9 * start, 1e9 * start, start @ turn + 1e3):
+        assert unfold(gg.Grid(moved))[1]
+
+
+def test_a_fold_in_a_large_grid_is_unfolded_by_the_nodes_round_it():
+    xy = gg.domain("square", 41, 41).xy
+    xy[20, 20] += 0.11, 0.07
+    place, valid = unfold(gg.Grid(xy))
+    assert valid
+    assert corner_jacobians(*place).min() > 0
+    moved = np.argwhere((place != gg.Grid(xy).planes).any(axis=0))
+    assert len(moved) > 1
+    assert (abs(moved - 20) <= 4).all()
+
+
+def test_fixed_inner_nodes_stay():
+    start, fixed = band(*BANDS[2]), np.zeros((8, 5), dtype=bool)
+    xy, fixed[4, 2] = start.xy, True
+    xy[4, 2] = unfold(start)[0][:, 4, 2]
+    place, valid = unfold(gg.Grid(xy), fixed)
+    assert valid
+    assert np.array_equal(place[:, 4, 2], xy[4, 2])
+
+
+def test_nothing_gets_worse_where_no_grid_is_valid():
+    least = gg.untangle(neck()).grid
+    place, valid = unfold(least)
+    assert not valid
+    assert gg.quality(gg.Grid.from_planes(*place)).folded_cells <= gg.quality(least).folded_cells
+
+
+@pytest.mark.parametrize("steps", [1, 40, 160, 320])
+def test_whoever_stops_it_has_the_least_folded_grid_so_far(steps):
+    start = band(*BANDS[1])
+    place, valid = unfold(start, stop_at=steps)
+    assert not valid
+    assert np.isfinite(place).all()
+    assert gg.quality(gg.Grid.from_planes(*place)).folded_cells <= gg.quality(start).folded_cells
+
+
+def test_frames_are_affine_maps_of_all_shapes_that_keep_areas():
+    start = band(*BANDS[0])
+    frames = list(stretched_frames(start.planes))
+    boundary = start.planes.copy()
+    spreads = []
+    for frame in frames:
+        there = frame.of(boundary)
+        assert corner_jacobians(*there) == pytest.approx(corner_jacobians(*boundary), rel=1e-6, abs=1e-12)
+        assert frame.back(there, np.zeros_like(there), np.zeros(start.shape)) == pytest.approx(boundary, abs=1e-12)
+        sides = np.concatenate((there[:, :, 0], there[:, :, -1], there[:, 0], there[:, -1]), axis=1)
+        spreads.append(np.linalg.eigvalsh(np.cov(sides)))
+    ratios = [np.sqrt(largest / smallest) for smallest, largest in spreads]
+    assert ratios[0] == pytest.approx(1.0)
+    assert ratios[1:] == pytest.approx([3.0] * 4 + [10.0] * 4)
+    assert len({frame.matrix.round(6).tobytes() for frame in frames}) == len(frames)
+
+
+def test_a_line_has_no_frames():
+    x, y = np.meshgrid(np.arange(4.0), np.arange(3.0), indexing="ij")
+    assert list(stretched_frames(np.stack((x + y, np.zeros_like(x))))) == []
