@@ -1,8 +1,6 @@
 """Generated kernels, compiled or in NumPy, as one object that solvers hold."""
 
 from .backend import choose_backend as choose_backend
-from .backend import thread_count as thread_count
-from .backend import threads_for as threads_for
 from .cache import cache_folder as cache_folder
 from .compiler import compile_library as compile_library
 from .compiler import find_compiler as find_compiler
@@ -13,3 +11,5 @@ from .kernel_set import Array as Array
 from .kernel_set import KernelSet as KernelSet
 from .kernel_set import Mask as Mask
 from .kernels import kernels as kernels
+from .threads import thread_count as thread_count
+from .threads import threads_for as threads_for

@@ -1,4 +1,4 @@
-"""Which backend runs the kernels, and on how many threads: what the caller, the environment and the machine say."""
+"""Which backend runs the kernels: what the caller, the environment and the machine say."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from ..messages import say_once
 from .compiler import find_compiler
 from .load import Backend, CompiledBackend, NumpyBackend
 
-#: Grids with fewer nodes are worked on by one thread: starting more would take longer.
-_NODES_PER_THREAD = 8192
 _BACKENDS: dict[str, Backend] = {"c": CompiledBackend(), "numpy": NumpyBackend()}
 
 
@@ -32,16 +30,3 @@ def choose_backend(name: str | None = None) -> Backend:
         )
         name = "numpy"
     return _BACKENDS[name or "c"]
-
-
-def thread_count() -> int:
-    """Return the number of threads for large grids: OMP_NUM_THREADS, else the processors that may be used."""
-    wanted = os.environ.get("OMP_NUM_THREADS", "")
-    if wanted.isdigit() and int(wanted) > 0:
-        return int(wanted)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def threads_for(nodes: int) -> int:
-    """Return the number of threads for a grid of so many nodes."""
-    return max(1, min(thread_count(), nodes // _NODES_PER_THREAD))

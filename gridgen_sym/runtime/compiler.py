@@ -18,6 +18,7 @@ from pathlib import Path
 from ..errors import GridgenError
 from ..messages import say, say_once
 from . import cache
+from .threads import threads_that_sleep
 
 #: No -ffast-math: a fold and a NaN must stay visible.
 FLAGS = (
@@ -101,7 +102,8 @@ def open_library(name: str, source: str, part: str = "") -> ctypes.CDLL:
     """
     library = compile_library(name, source, part)
     try:
-        return ctypes.CDLL(str(library))
+        with threads_that_sleep():
+            return ctypes.CDLL(str(library))
     except OSError as error:
         raise GridgenError(
             f"the compiled kernels of {name} cannot be loaded ({error}): set GRIDGEN_SYM_CACHE to a folder from which "

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import GridgenError
-from .backend import threads_for
 from .load import Block
+from .threads import threads_for
 
 if TYPE_CHECKING:
     from ..symbolic.coordinates import Variant

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support import CASES, case_name, kernel_set, random_grid, random_weight, relative_difference
 
-from gridgen_sym.runtime import backend, find_compiler, thread_count
+from gridgen_sym.runtime import find_compiler, thread_count
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
 
@@ -22,7 +22,7 @@ FOLDING = -1e30
 def threads(request, monkeypatch):
     """Use this number of threads, on grids however small."""
     monkeypatch.setenv("OMP_NUM_THREADS", request.param)
-    monkeypatch.setattr(backend, "_NODES_PER_THREAD", 1)
+    monkeypatch.setattr("gridgen_sym.runtime.threads._NODES_PER_THREAD", 1)
     assert thread_count() == int(request.param)
 
 
@@ -157,7 +157,7 @@ def test_sweeps_keep_positive_jacobians():
 
 
 def test_one_and_two_threads_give_the_same_bytes(monkeypatch):
-    monkeypatch.setattr(backend, "_NODES_PER_THREAD", 1)
+    monkeypatch.setattr("gridgen_sym.runtime.threads._NODES_PER_THREAD", 1)
     kernels, xy = kernel_set("modified_liao", "plain", "c"), random_grid(33, 70)
     told = []
     for count in ("1", "2", "3"):
