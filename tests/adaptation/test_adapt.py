@@ -8,6 +8,8 @@ from solvers.conftest import farthest, hopeless_grid
 
 import gridgen_sym as gg
 from gridgen_sym.adaptation.law import law_of, weight_values
+from gridgen_sym.adaptation.mover import Mover
+from gridgen_sym.adaptation.sides import slide, sliding_sides
 
 from .conftest import SHARP, front, interpolation_error, ring, shock, two_scales
 
@@ -167,6 +169,42 @@ def test_a_moving_front_is_followed_by_a_few_steps_at_a_time():
         assert result.quality.valid
         assert interpolation_error(result.grid, moved) < interpolation_error(square(), moved) / 3
         grid = result.grid
+
+
+def test_corners_of_a_mask_hold_no_side():
+    mask = np.zeros((5, 5), dtype=bool)
+    mask[0, 0] = mask[2, 2] = True
+    assert len(sliding_sides(square(5), "straight", mask)) == 4
+    mask[0, 3] = True
+    assert len(sliding_sides(square(5), "straight", mask)) == 3
+
+
+def test_boundary_nodes_never_go_beyond_what_is_wanted(monkeypatch):
+    """The weight may: Aitken's rule takes up to twice the share."""
+    shares = []
+
+    def recorded(sides, grid, density, fixed, damping):
+        shares.append(damping)
+        return slide(sides, grid, density, fixed, damping)
+
+    monkeypatch.setattr("gridgen_sym.adaptation.mover.slide", recorded)
+    result = gg.adapt(square(17), "tanh(10*(x + y - 1))", steps=8, damping=0.5)
+    assert max(step.damping for step in result.history) > 1
+    assert max(shares) == 1
+
+
+@pytest.mark.parametrize(
+    ("damping", "rest", "expected"),
+    [(0.5, 0.5, 1.0), (0.5, 1.0, 0.5), (0.5, -10.0, 0.1), (0.05, -10.0, 0.05), (0.9, 0.7, 2.0)],
+)
+def test_the_share_is_that_which_would_have_left_nothing(damping, rest, expected):
+    """Of a move that leaves a part of the lack; within bounds, and the same as before where it has changed nothing."""
+    fixed = np.ones((5, 5), dtype=np.uint8)
+    mover = Mover(gg.functional("area_winslow"), (1, 2), None, fixed, None, damping, [])
+    lack = np.random.default_rng(0).normal(size=(5, 5))
+    mover._choose_damping(lack)
+    mover._choose_damping(rest * lack)
+    assert mover.damping == pytest.approx(expected)
 
 
 def test_weights_of_laws_and_of_ones_own_power():
