@@ -103,6 +103,22 @@ def test_halves_hold_the_whole(seed):
 
 
 @given(SEEDS)
+def test_rounding_loses_no_point(seed):
+    """Of polygons so small that one unit counts."""
+    random = np.random.default_rng(seed)
+    region = random_polygon(random, size=12)
+    dx, dy = random.integers(-9, 10, 2).tolist()
+    parts = halves(region, (dx, dy))
+    middle = sum(dx * y - dy * x for x, y in region)
+    for x in range(-12, 13):
+        for y in range(-12, 13):
+            if inside(region, (x, y)):
+                side = len(region) * (dx * y - dy * x) - middle
+                assert side < 0 or inside(parts[0], (x, y))
+                assert side > 0 or inside(parts[1], (x, y))
+
+
+@given(SEEDS)
 def test_a_simpler_polygon_holds_the_whole(seed):
     random = np.random.default_rng(seed)
     angles = (np.arange(30) + 0.5 * random.random(30)) * np.pi / 15
