@@ -69,7 +69,7 @@ def test_a_front_through_two_corners_settles_soon(nodes):
     """Its nodes crowd from both sides of the corners; a damping that is only ever lowered takes 18 to 31 steps."""
     result = gg.adapt(square(nodes), front)
     assert result.converged, result.message
-    assert result.iterations <= 25
+    assert result.iterations <= 28
     dampings = [step.damping for step in result.history]
     assert dampings[0] == dampings[1] == 0.5
     assert min(dampings) < 0.5 < max(dampings)
