@@ -1,0 +1,155 @@
+"""How long a step is, and how well the next system is solved: by problems of one number."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from gridgen_sym.solvers.goal import Goal
+from gridgen_sym.solvers.line_search import LineSearch
+from gridgen_sym.solvers.newton import _Newton
+from gridgen_sym.solvers.point import Point
+
+
+class OneNumber:
+    """An energy of the first coordinate alone; its Jacobian, too, is a function of it."""
+
+    def __init__(self, energy, slope, jacobian=lambda x: 1.0, scale=1.0, round_off=0.0, barrier=True):
+        self._energy, self._slope, self._jacobian = energy, slope, jacobian
+        self.scale, self.rounding = scale, round_off
+        self.kernels = SimpleNamespace(barrier=barrier, polyconvex=True)
+
+    def refresh(self, coordinates):
+        """There is no weight."""
+
+    def energy(self, coordinates):
+        x = float(coordinates[0, 0, 0])
+        return self._energy(x), self._jacobian(x)
+
+    def energy_gradient(self, coordinates, out=None):
+        gradient = np.zeros_like(coordinates) if out is None else out
+        gradient[0, 0, 0] = self._slope(float(coordinates[0, 0, 0]))
+        return *self.energy(coordinates), gradient
+
+    def gradient_scale(self, coordinates, energy):
+        return self.scale * abs(energy)
+
+    def round_off(self, coordinates, gradient):
+        return self.rounding
+
+
+def place(x):
+    coordinates = np.zeros((2, 3, 3))
+    coordinates[0, 0, 0], coordinates[1, 2, 2] = x, 8.0  # The extent of the grid.
+    return coordinates
+
+
+def search(problem, x, lowest=-np.inf):
+    point = Point(problem, place(x))
+    return LineSearch(point, lowest, np.empty_like(point.coordinates))
+
+
+def direction(dx):
+    return place(dx) - place(0.0)
+
+
+PARABOLA = OneNumber(lambda x: x * x, lambda x: 2 * x)
+
+
+@pytest.mark.parametrize(("dx", "length"), [(-1.0, 1.0), (-1.9, 1.0), (-2.0, 0.5), (-8.0, 0.125), (-7.0, 0.25)])
+def test_a_step_must_lower_the_energy_enough(dx, length):
+    """A step to the other side of the parabola, just as high, is none: it is halved."""
+    along = search(PARABOLA, 1.0)
+    assert along.along(direction(dx))
+    assert along.length == length
+    assert not along.folds
+
+
+def test_rounding_is_no_rise():
+    flat = OneNumber(lambda x: 1e6 + 1e-9 * (x < 1), lambda x: 1e-12)
+    along = search(flat, 1.0)
+    assert along.along(direction(-1e-3))
+    assert along.length == 1.0
+
+
+def test_uphill_there_is_no_step():
+    assert not search(PARABOLA, 1.0).along(direction(1.0))
+
+
+def test_no_step_goes_below_the_lowest_jacobian():
+    along = search(OneNumber(lambda x: x, lambda x: 1.0, jacobian=lambda x: x), 1.0, lowest=0.3)
+    assert along.along(direction(-1.0))
+    assert (along.length, along.folds) == (0.5, True)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_direction_of_negative_curvature_is_followed_downhill(sign):
+    """Whichever way it points, and as far as that lowers the energy most: here to -2, by halves of the extent."""
+    hill = OneNumber(lambda x: (x * x - 4) ** 2 + 1e-3 * x, lambda x: 4 * x * (x * x - 4) + 1e-3)
+    away = search(hill, 0.0)
+    assert away.away(direction(sign))
+    assert away.length * sign == -2.0
+
+
+def newton(forcing=0.1):
+    return _Newton(PARABOLA, None, only_semidefinite=False, forcing=forcing)
+
+
+def taken(length, folds=False):
+    return SimpleNamespace(length=length, folds=folds)
+
+
+def test_the_next_system_is_solved_as_well_as_it_deserves():
+    state = newton()
+    state.learn(taken(1.0), reduction=0.1, wanted=1e-6)
+    assert state.forcing == pytest.approx(0.05)
+    state.learn(taken(1.0), reduction=0.01, wanted=1e-3)
+    assert state.forcing == pytest.approx(5e-4), "the last one: Newton's method squares 0.01"
+    state.learn(taken(1.0), reduction=0.9, wanted=1e-6)
+    assert state.forcing <= 0.1
+
+
+def test_only_whole_steps_that_lead_nowhere_are_stalls():
+    state = newton()
+    for length, reduction, stalls in ((1.0, 0.9, 1), (1.0, 0.8, 2), (0.5, 0.9, 0), (1.0, 0.9, 1), (1.0, 0.1, 0)):
+        state.learn(taken(length), reduction, 1e-9)
+        assert state.stalls == stalls
+
+
+def test_a_step_that_would_fold_a_cell_says_nothing_of_the_hessian():
+    state = newton()
+    state.problem = SimpleNamespace(kernels=SimpleNamespace(polyconvex=False))
+    state.learn(taken(0.1, folds=True), 0.9, 1e-9)
+    assert state.shift == 0
+    state.learn(taken(0.1), 0.9, 1e-9)
+    assert state.shift > 0
+
+
+def test_a_goal_is_a_part_of_the_smaller_of_start_and_scale():
+    falling = OneNumber(lambda x: x, lambda x: x, scale=0.5)
+    goal = Goal(Point(falling, place(100.0)), 1e-2)
+    assert (goal.first, goal.norm) == (50.0, 0.5)
+    assert goal.reached(Point(falling, place(0.0)))
+    assert Goal(Point(falling, place(100.0)), 1e-2, reference=10.0).first == 10.0
+
+
+def test_where_the_energy_at_a_barrier_has_fallen_far_the_goal_is_another():
+    falling = OneNumber(lambda x: x, lambda x: x, scale=0.5)
+    goal = Goal(Point(falling, place(100.0)), 1e-2)
+    assert not goal.reached(Point(falling, place(0.4))), "a part of 0.2, now"
+    assert goal.first == pytest.approx(0.2)
+    falling.kernels.barrier = False
+    assert Goal(Point(falling, place(100.0)), 1e-2).reached(Point(falling, place(0.4)))
+
+
+def test_rounding_is_measured_where_it_decides():
+    problem = OneNumber(lambda x: x, lambda x: x, round_off=10.0)
+    goal = Goal(Point(problem, place(20.0)), 1e-3)
+    problem.rounding = 1e-3
+    assert not goal.reached(Point(problem, place(9.0)))
+    problem.rounding = 5.0
+    goal = Goal(Point(problem, place(20.0)), 1e-3)
+    assert goal.reached(Point(problem, place(4.0)))
+    assert not Goal(Point(problem, place(20.0)), 0.1).reached(Point(problem, place(4.0))), "who asks for little"
