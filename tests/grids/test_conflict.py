@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,7 +11,7 @@ from hypothesis import strategies as st
 from support_boundaries import SEEDS, flat_polygon, grid_of_ring, smooth_curve, star_polygon, valid_grids
 
 import gridgen_sym as gg
-from gridgen_sym.grids.conflict import Conflict, contracted_places, find_conflict
+from gridgen_sym.grids.conflict import Conflict, _contradiction, _learn, contracted_places, find_conflict
 from gridgen_sym.grids.lattice import (
     Lattice,
     convex_hull,
@@ -21,6 +23,7 @@ from gridgen_sym.grids.lattice import (
     visible_part,
 )
 from gridgen_sym.grids.obstacles import outside_pieces
+from gridgen_sym.grids.places import Network, OutOfWork, Place
 
 
 def random_polygon(random, corners=8, size=2**40):
@@ -150,24 +153,31 @@ def test_a_lattice_has_its_points_without_an_error(seed, scale, shift):
 
 
 def assert_places_hold(grid):
-    """Check that nothing proves a valid grid impossible, and that each of its nodes is where it can be."""
-    places = contracted_places(grid, work=2000)
-    assert not isinstance(places, Conflict)
-    assert len(places) == (grid.shape[0] - 2) * (grid.shape[1] - 2)
-    center = grid.xy.mean(axis=(0, 1))
-    size = np.abs(grid.xy - center).max()
-    # Rounded to floating-point numbers, a polygon may have moved by some last bits of the largest coordinate.
-    slack = 1e-14 * np.abs(grid.xy).max() / size
-    for node, polygon in places.items():
-        p, q = (polygon - center) / size, (np.roll(polygon, -1, axis=0) - center) / size
-        x, y = (grid.xy[node] - center) / size
-        assert ((q - p)[:, 0] * (y - p[:, 1]) - (q - p)[:, 1] * (x - p[:, 0]) >= -slack).all()
+    """Check that nothing proves a valid grid impossible, and that each of its nodes is inside its place; exactly."""
+    ni, nj = grid.shape
+    network = Network(grid, [(i, j) for i in range(ni - 1) for j in range(nj - 1)], work=2000)
+    places = network.start.copy()
+    try:
+        assert network.contract(places) is None
+        assert _contradiction(network, places) is None
+    except OutOfWork:
+        pass
+    assert len(network.free) == (ni - 2) * (nj - 2)
+    for node in network.free:
+        point = tuple(
+            (Fraction(float(value)) - zero) * network.lattice.scale
+            for value, zero in zip(grid.xy[node], network.lattice.origin, strict=True)
+        )
+        assert inside(places[node].region, point, strictly=True)
 
 
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(valid_grids())
 def test_the_nodes_of_a_valid_grid_are_where_they_can_be(grid):
     assert_places_hold(grid)
+    places = contracted_places(grid, work=500)
+    assert not isinstance(places, Conflict)
+    assert all(polygon.shape[0] >= 3 for polygon in places.values())
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -221,6 +231,13 @@ def test_a_certificate_of_the_search_names_cells():
         assert f"({i}, {j})" in proof.message
         assert proof.nodes[proof.nodes.index((i, j)) :][:4] == ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))
     assert gg.untangle(start).certificates[0].kind == "conflict"
+
+
+def test_what_is_learned_keeps_its_reasons():
+    whole, part = ((0, 0), (4, 0), (0, 4)), ((0, 0), (2, 0), (0, 2))
+    places = {(1, 1): Place.of(whole, 1), (1, 2): Place.of(whole, 8)}
+    _learn(places, {**places, (1, 1): Place.of(part, 3)}, 4)
+    assert places == {(1, 1): Place.of(part, 7), (1, 2): Place.of(whole, 8)}
 
 
 def test_out_of_work_is_no_proof():
