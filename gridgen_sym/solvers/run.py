@@ -11,11 +11,11 @@ from ..grids.grid import boundary_indices
 from ..grids.predicates import area_sign
 from ..runtime import Array
 from .lift import lift
+from .middles import unfold_from_middles
 from .nested import Nested, worth_nesting
 from .problem import Problem, norm_of
 from .progress import Progress
 from .result import Result
-from .stretched import unfold_stretched
 from .untangle import unfold
 
 
@@ -97,7 +97,7 @@ class Run:
         valid = valid or lift(self.coordinates, self.problem.fixed, self.report)
         if not valid:
             self.proofs = certificates(Grid.from_planes(*self.coordinates), search=True) or None
-            valid = self.proofs is None and unfold_stretched(self.problem, self.coordinates, self.report)
+            valid = self.proofs is None and unfold_from_middles(self.problem, self.coordinates, self.report)
         self.problem.refresh(self.coordinates)
         return valid
 

@@ -1,0 +1,80 @@
+"""Where a fold stays although nothing says that it must: lift from the middle of where valid grids have their nodes.
+
+A window of the grid round the fold is a grid with sides of its own. The search for a proof tells where valid grids with
+these sides may have each node. From the middle of these places a few linear programs lead to a valid grid, however
+uneven it must be; where there is much room, and the places say little, from the transfinite grid. If there are no such
+places, the window is left as it is.
+
+An affine map neither folds nor unfolds a cell, but it changes how far a program may move a node in each direction. So
+it is tried in coordinates in which the sides extend evenly, and in those stretched this way and that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from ..grids import Grid, transfinite
+from ..grids.conflict import Conflict, contracted_places
+from ..runtime import Array
+from .frame import stretched_frames
+from .lift import MOST_NODES, Fold, surroundings
+from .problem import Problem
+from .progress import Progress
+from .windows import cut_out
+
+#: Nodes up to so many cells from a fold are moved, at first and then.
+_LAYERS = (3, 9)
+
+
+def unfold_from_middles(problem: Problem, coordinates: Array, progress: Progress) -> bool:
+    """Unfold what is left of a few folds, in place, each in a window of its own; return whether the grid is valid.
+
+    What does not lead to less folded cells is undone. It ends when every window was looked at in every frame, and each
+    of these when there is no more progress. Each program is told to `progress` as a step without an energy.
+    """
+    tried = set()
+    for layers in _LAYERS:
+        for free in surroundings(coordinates, problem.fixed, layers):
+            ends = tuple((int(where.min()) - 1, int(where.max()) + 2) for where in np.nonzero(free))
+            if ends not in tried and free.sum() <= MOST_NODES:
+                tried.add(ends)
+                _unfold_window(problem, coordinates, (slice(*ends[0]), slice(*ends[1])), progress)
+    return problem.folds(coordinates).cells == 0
+
+
+def _unfold_window(problem: Problem, coordinates: Array, window: tuple[slice, slice], progress: Progress) -> None:
+    """Lift the nodes of a window in place, in one frame after the other until it is valid; keep the least folded."""
+    part, least = cut_out(problem, coordinates, window)
+    free = part.fixed == 0
+    for start in _starts(least, free):
+        for frame in stretched_frames(start):
+            place = frame.of(start)
+            try:
+                Fold(place, free).lift(progress)
+            finally:  # Ctrl-C may come in the midst of a step.
+                found = frame.back(place, start, part.fixed)
+                if part.folds(found) < part.folds(least):
+                    least = found
+                    coordinates[:, *window] = found
+            if not part.folds(least, mendable=True).cells:
+                return
+
+
+def _starts(window: Array, free: npt.NDArray[np.bool_]) -> Iterator[Array]:
+    """Return a window with every free node in the middle of its place, and its transfinite grid.
+
+    There are none if its sides admit no valid grid.
+    """
+    places = contracted_places(Grid.from_planes(*window))
+    if isinstance(places, Conflict):
+        return
+    start = window.copy()
+    for node, polygon in places.items():
+        if free[node]:
+            start[:, *node] = polygon.mean(axis=0)
+    yield start
+    xy = window.transpose(1, 2, 0)
+    yield np.where(free, transfinite(xy[:, 0], xy[:, -1], xy[0], xy[-1]).planes, window)
