@@ -55,7 +55,7 @@ def _unfold_window(problem: Problem, coordinates: Array, window: tuple[slice, sl
             try:
                 Fold(place, free).lift(progress)
             finally:  # Ctrl-C may come in the midst of a step.
-                found = frame.back(place, start, part.fixed)
+                found = frame.back(place, least, part.fixed)
                 if part.folds(found) < part.folds(least):
                     least = found
                     coordinates[:, *window] = found

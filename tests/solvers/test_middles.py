@@ -82,11 +82,11 @@ def test_a_fold_in_a_large_grid_is_unfolded_by_the_nodes_round_it():
 
 def test_fixed_inner_nodes_stay():
     start, fixed = band(*BANDS[1]), np.zeros((8, 7), dtype=bool)
-    xy, fixed[4, 2] = start.xy, True
-    xy[4, 2] = unfold(start)[0][:, 4, 2]
+    xy, fixed[2:5, 2:5] = start.xy, True
+    xy[fixed] = unfold(start)[0][:, fixed].T
     place, valid = unfold(gg.Grid(xy), fixed)
     assert valid
-    assert np.array_equal(place[:, 4, 2], xy[4, 2])
+    assert np.array_equal(place[:, fixed].T, xy[fixed])
 
 
 def test_nothing_gets_worse_where_no_grid_is_valid():
