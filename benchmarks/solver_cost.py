@@ -118,7 +118,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--largest", type=int, required=True)
-    parser.add_argument("--limit", type=float, default=120.0, help="processor seconds for one solve")
+    parser.add_argument("--limit", type=float, default=40.0, help="processor seconds for one solve")
     options = parser.parse_args()
     for name in FUNCTIONALS:
         gg.optimize(start_grid("swan", 17), name, progress=False)
