@@ -44,9 +44,9 @@ def environment(folder):
     """Return an environment in which `gridgen-sym` and `python` are those of this test."""
     programs = folder / "bin"
     programs.mkdir()
-    (programs / "gridgen-sym").write_text(f'#!/bin/sh\nexec "{sys.executable}" -m gridgen_sym "$@"\n')
-    (programs / "gridgen-sym").chmod(0o755)
-    (programs / "python").symlink_to(sys.executable)
+    for program, module in (("gridgen-sym", " -m gridgen_sym"), ("python", "")):
+        (programs / program).write_text(f'#!/bin/sh\nexec "{sys.executable}"{module} "$@"\n')
+        (programs / program).chmod(0o755)
     path = os.pathsep.join([str(programs), str(Path(sys.executable).parent), os.environ["PATH"]])
     author = {f"GIT_{who}_{what}": "tutorial" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
     return os.environ | author | {"PATH": path, "PYTHONPATH": str(ROOT), "GRIDGEN_SYM_QUIET": "1", "MPLBACKEND": "Agg"}
