@@ -164,12 +164,13 @@ def _learn(places: Places, case: Places, why: int) -> None:
 def _told(places: Places, case: Places) -> float:
     """Return how much smaller the places are in a case, as a sum of logarithms of areas."""
     pairs = ((places[node].region, place.region) for node, place in case.items() if place is not places[node])
-    return sum(math.log(max(doubled_area(whole), 1) / max(doubled_area(part), 1)) for whole, part in pairs)
+    return sum(math.log(max(doubled_area(whole), 1)) - math.log(max(doubled_area(part), 1)) for whole, part in pairs)
 
 
 def _across(region: Polygon, frame: FloatArray) -> tuple[int, int]:
     """Return the direction across the longest extent of a region, lengths being measured by second moments `frame`."""
-    unit = np.linalg.cholesky(frame)
+    # Of a very thin hull, rounding may make them singular.
+    unit = np.linalg.cholesky(frame + 1e-14 * np.trace(frame) * np.eye(2))
     seen = np.linalg.solve(unit, np.linalg.solve(unit, _moments(region)).T)
     normal = np.linalg.solve(unit.T, np.linalg.eigh(seen)[1][:, 1])
     size = float(np.abs(normal).max())

@@ -52,8 +52,8 @@ class Place(NamedTuple):
 
 Places = dict[Node, Place]
 
-#: A node is told to its neighbors when its polygon has become smaller by this factor.
-_SMALLER = 0.99
+#: A node is told to its neighbors when its polygon has become smaller by this factor, in per cent.
+_SMALLER = 99
 #: Of what is outside, that counts for a cell which has a corner at a boundary node so many cells from it.
 _NEAR = 9
 
@@ -191,8 +191,9 @@ class Network:
             queued.discard(number)
             if self.work <= 0:
                 raise OutOfWork
-            self.work -= 1
             rule = self._rules[number]
+            # What a large obstacle hides takes the longer to tell.
+            self.work -= 1 + len(rule.obstacle) ** 2 // 256
             part = rule.part(places)
             if part is None:
                 continue
@@ -202,7 +203,7 @@ class Network:
             if area >= before:
                 continue
             places[rule.node] = Place.of(part, rule.reasons(places))
-            if area < _SMALLER * told.setdefault(rule.node, before):
+            if 100 * area < _SMALLER * told.setdefault(rule.node, before):
                 told[rule.node] = area
                 wait(self._with[rule.node])
         return None

@@ -65,6 +65,7 @@ class KernelSet:
         """Return the smallest Jacobian of the corners of each row of cells, (ni - 1,); the weight has no part in it."""
         energies, smallest = np.empty(coordinates.shape[1] - 1), np.empty(coordinates.shape[1] - 1)
         weight = np.zeros((len(self.weight_planes), *coordinates.shape[1:]))
+        weight[:1] = 1.0
         self._call("energy", coordinates, weight, energies, smallest)
         return smallest
 

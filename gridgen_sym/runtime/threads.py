@@ -14,7 +14,7 @@ _WAITING = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "10000"}
 
 def thread_count() -> int:
     """Return the number of threads for large grids: OMP_NUM_THREADS, else the processors that may be used."""
-    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    wanted = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0].strip()
     if wanted.isdigit() and int(wanted) > 0:
         return int(wanted)
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -40,4 +40,4 @@ def threads_that_sleep() -> Iterator[None]:
         yield
     finally:
         for name in _WAITING:
-            del os.environ[name]
+            os.environ.pop(name, None)

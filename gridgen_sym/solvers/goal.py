@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from .folds import mean_jacobian
 from .point import Point
 
 #: A factor for the gradient to fall by that no rounding is in the way of.
 _MODEST = 0.1
-#: Where the energy at a barrier falls by this factor, the start was no measure of anything.
-_STEEP = 0.1
+#: A smallest Jacobian below this part of the mean is all but folded. If the energy then falls by the factor, the start
+#: was no measure of anything.
+_ALL_BUT_FOLDED, _STEEP = 1e-3, 0.1
 
 
 class Goal:
@@ -27,7 +29,7 @@ class Goal:
             reference: the norm that it must fall from; by default that at the start. Where that is larger than the
                 scale, the latter counts.
         """
-        self._tolerance, self._energy = tolerance, abs(point.energy)
+        self._tolerance, self._energy, self._steep = tolerance, abs(point.energy), _is_steep(point)
         self.scale = point.problem.gradient_scale(point.coordinates, point.energy)
         self.first = min(reference or point.norm, self.scale or point.norm)
         # Who asks for little will not come near to rounding.
@@ -42,14 +44,19 @@ class Goal:
         """Return whether the gradient is small enough at a point.
 
         A start with J near 0 has an energy, a gradient and rounding that are too large by any factor. So the scale is
-        taken anew when the energy has fallen far, and rounding where it decides.
+        taken anew when the energy has fallen far from there, and rounding where it decides.
         """
-        if point.problem.kernels.barrier and abs(point.energy) < _STEEP * self._energy:
+        if self._steep and abs(point.energy) < _STEEP * self._energy:
             self.scale, self._energy = point.problem.gradient_scale(point.coordinates, point.energy), abs(point.energy)
-            self.first = min(self.first, self.scale)
+            self.first, self._steep = min(self.first, self.scale), _is_steep(point)
         if self._tolerance * self.first < point.norm <= self._round_off:
             self._round_off = _round_off(point)
         return point.norm <= self.norm
+
+
+def _is_steep(point: Point) -> bool:
+    """Return whether a grid is all but folded, before a barrier."""
+    return point.problem.kernels.barrier and point.smallest < _ALL_BUT_FOLDED * mean_jacobian(point.coordinates)
 
 
 def _round_off(point: Point) -> float:

@@ -22,6 +22,8 @@ from .progress import Progress
 _LAYERS, MOST_NODES = (3, 9), 400
 #: First trust radius over the extent of the nodes; the radius at which there is no way up; factors.
 _RADIUS, _SMALLEST, _SHRINK, _GROW = 0.3, 1e-7, 0.2, 2.0
+#: Seconds for one program: some that are badly scaled would not end.
+_SECONDS = 0.5
 #: It ends if so many programs have lifted the fold by less than this part of its depth.
 _PATIENCE, _LITTLE = 6, 0.02
 
@@ -135,5 +137,6 @@ class Fold:
             b_ub=jacobians,
             bounds=[(-radius, radius)] * (2 * count) + [(None, 1.0)],
             method="highs",
+            options={"time_limit": _SECONDS},
         )
         return found.x[:-1].reshape(2, count) * self.extent[:, None] if found.status == 0 else None

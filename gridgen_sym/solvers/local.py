@@ -82,8 +82,9 @@ def sweep_until_converged(
                 f"no node can move to a lower local energy{' without folding a cell' if guard else ''}, and the "
                 f"gradient's norm is {point.norm:.2e}, {point.norm / goal.first:.1e} of its first value."
             )
+    free = keep_valid and not problem.kernels.barrier
     return False, (
         f"{max_iterations} sweeps have brought the gradient's norm to {point.norm:.2e}, "
         f"{point.norm / goal.first:.1e} of its first value, not to {tolerance:.1e}: allow more with max_iterations, or "
-        f"use method='newton'{'; if cells that would fold hold it back, keep_valid=False lets them' * keep_valid}."
+        f"use method='newton'{'; if cells that would fold hold it back, keep_valid=False lets them' * free}."
     )

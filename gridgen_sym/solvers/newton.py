@@ -86,6 +86,8 @@ def minimize(
             break
         if barrier and point.norm > max(_STEEP * goal.scale, _POOR * before):
             eliminate(point, _minimize_window)
+            if goal.reached(point):
+                return True, converged_message("gradient", point.norm, goal.first, iteration + 1)
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.
         lowest = max(floor, 0.1 * point.smallest) if guard and point.smallest > 0 else -np.inf
         search = LineSearch(point, lowest, trial)
@@ -104,9 +106,8 @@ def minimize(
         held_back = held_back + 1 if search.folds and energy - point.energy < _LITTLE * abs(energy) else 0
         if held_back == _PATIENCE:
             why = "the minimum lies beyond the valid grids: every step downhill would fold a cell"
-            return False, (
-                f"{_stuck(why, point.norm, goal.first)} This is the best valid grid; keep_valid=False lets cells fold."
-            )
+            more = " This is the best valid grid" + ("." if barrier else "; keep_valid=False lets cells fold.")
+            return False, _stuck(why, point.norm, goal.first) + more
     why = f"{max_iterations} Newton steps were not enough; allow more with max_iterations"
     return False, _stuck(why, point.norm, goal.first) + step_control_message(cut)
 

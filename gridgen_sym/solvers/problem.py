@@ -110,7 +110,7 @@ class Problem:
         there -= gradient
         eps, change = float(np.finfo(float).eps), norm_of(there)
         # A gradient that does not change at all (of a null Lagrangian) still is a sum of terms that round.
-        summed = 10 * eps * scale * abs(energy)
+        summed = 10 * eps * scale * abs(energy) if np.isfinite(energy) else 0.0
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
 
     def caution(self, coordinates: Array) -> str:

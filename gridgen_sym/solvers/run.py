@@ -120,6 +120,7 @@ class Run:
 
     def result(self, converged: bool, message: str, interrupted: bool) -> Result:
         """Return what the run has found, with what must be said of folded cells and of the weight."""
+        self.problem.refresh(self.coordinates)
         energy, smallest = self.problem.energy(self.coordinates)
         grid = Grid.from_planes(*self.coordinates)
         message = self.said + message

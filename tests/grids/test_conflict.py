@@ -249,3 +249,20 @@ def test_a_valid_grid_is_not_searched():
     grid = gg.optimize(gg.domain("swan", 21, 21), "winslow").grid
     assert find_conflict(grid) is None
     assert gg.certificates(grid, search=True) == ()
+
+
+@pytest.mark.parametrize("thickness", [1e-6, 1e-9, 1e-12])
+def test_a_thin_inclined_band_is_searched(thickness):
+    """Rounding makes the moments of its hull singular; where places are cut is free, and so is nothing else."""
+    s, t = np.meshgrid(np.linspace(0, 1, 20), thickness * np.linspace(-0.5, 0.5, 10), indexing="ij")
+    planes = np.stack((np.cos(0.5) * s - np.sin(0.5) * t, np.sin(0.5) * s + np.cos(0.5) * t))
+    planes[:, [10, 11], 5] = planes[:, [11, 10], 5]
+    assert all(proof.kind != "conflict" for proof in gg.certificates(gg.Grid.from_planes(*planes), search=True))
+
+
+def test_coordinates_of_very_different_sizes_are_searched():
+    s = np.linspace(0, 1, 12)
+    planes = np.stack(np.meshgrid(s, s, indexing="ij"))
+    planes[:, 4:8, 4:8] = planes[:, 4:8, 4:8][:, ::-1].copy()
+    planes[1, 3, 0], planes[0, 0, 4] = 1e-200, -1e-200
+    assert gg.certificates(gg.Grid.from_planes(*planes), search=True) == ()

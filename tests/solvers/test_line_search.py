@@ -136,12 +136,14 @@ def test_a_goal_is_a_part_of_the_smaller_of_start_and_scale():
 
 
 def test_where_the_energy_at_a_barrier_has_fallen_far_the_goal_is_another():
-    falling = OneNumber(lambda x: x, lambda x: x, scale=0.5)
-    goal = Goal(Point(falling, place(100.0)), 1e-2)
-    assert not goal.reached(Point(falling, place(0.4))), "a part of 0.2, now"
+    steep = OneNumber(lambda x: x, lambda x: x, jacobian=lambda x: -1e-9, scale=0.5)
+    goal = Goal(Point(steep, place(100.0)), 1e-2)
+    assert not goal.reached(Point(steep, place(0.4))), "a part of 0.2, now"
     assert goal.first == pytest.approx(0.2)
-    falling.kernels.barrier = False
-    assert Goal(Point(falling, place(100.0)), 1e-2).reached(Point(falling, place(0.4)))
+    steep.kernels.barrier = False
+    assert Goal(Point(steep, place(100.0)), 1e-2).reached(Point(steep, place(0.4)))
+    roomy = OneNumber(lambda x: x, lambda x: x, scale=0.5)
+    assert Goal(Point(roomy, place(100.0)), 1e-2).reached(Point(roomy, place(0.4))), "an energy may tend to 0"
 
 
 def test_rounding_is_measured_where_it_decides():

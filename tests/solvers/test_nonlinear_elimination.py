@@ -145,6 +145,20 @@ def test_an_almost_folded_start_does_not_pass_for_a_measure(name, eliminates, mo
     assert result.energy == pytest.approx(least, rel=1e-9)
 
 
+@pytest.mark.parametrize("method", ["newton", "local"])
+def test_a_constant_in_the_density_changes_nothing(method):
+    """Winslow's density less its least value: the energy tends to 0, and with it what is a part of the energy."""
+    gg.define("winslow_less_two", "(g11 + g22)/J - 2")
+    s = np.linspace(0, 1, 17)
+    place = np.stack(np.meshgrid(s, s, indexing="ij"))
+    place[:, 1:-1, 1:-1] += 0.01 * np.random.default_rng(0).uniform(-1, 1, (2, 15, 15))
+    start = gg.Grid.from_planes(*place)
+    less, whole = (gg.optimize(start, name, method) for name in ("winslow_less_two", "winslow"))
+    assert less.converged
+    assert whole.converged
+    assert less.iterations <= 2 * whole.iterations + 3
+
+
 def test_no_iteration_allowed_is_none_done():
     place = squeezed("winslow")
     result = gg.optimize(gg.Grid.from_planes(*place), "winslow", max_iterations=0)
