@@ -44,6 +44,8 @@ def _answered(call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
         return call(*arguments, **options)
     except GridgenError as error:
         raise InputError(str(error)) from error
+    except MemoryError as error:
+        raise InputError(f"there is not enough memory: take fewer nodes. {error}".strip()) from error
     except KeyboardInterrupt:
         click.secho("\ninterrupted", err=True, fg="yellow")
         raise click.exceptions.Exit(130) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 
@@ -124,5 +125,8 @@ def test_pyplot_is_not_loaded():
 def test_without_matplotlib_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     for draw in (lambda g: plot_grid(g), lambda g: plot_grids([("a", g)])):
-        with pytest.raises(MissingExtraError, match=r"gridgen-sym\[plot\]"):
+        with pytest.raises(MissingExtraError, match=r"gridgen-sym\[plot\]") as caught:
             draw(domain("square", 4, 4))
+    back = pickle.loads(pickle.dumps(caught.value))  # As from a worker process, whose pool would break otherwise.
+    assert type(back) is MissingExtraError
+    assert str(back) == str(caught.value)
