@@ -356,6 +356,12 @@ def test_the_module_runs_as_a_program():
     assert bad.stderr.startswith("Error: cannot read nowhere.vts")
 
 
+def test_a_terminal_without_the_signs_of_mathematics_shows_others():
+    told = program("functionals", env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    assert told.returncode == 0
+    assert "half of each: (J? + g12?)/4" in told.stdout
+
+
 def test_help_and_import_do_not_load_what_they_do_not_need():
     code = (
         "import sys, gridgen_sym, gridgen_sym.cli as cli\n"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -13,17 +12,17 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional
 from ..functionals.definition import functional as find_functional
 from ..grids import Grid, quality
-from ..grids.grid import check_grid
 from ..runtime import Array
 from ..solvers import untangle
 from ..solvers.checks import fixed_mask
 from ..solvers.sampled import SampledField, grid_field
+from .checks import check_arguments
 from .equidistribution import cell_areas, cell_means, equidistribution, variation
 from .error_estimate import hierarchical_error
 from .law import law_of
 from .monitor import Measure, Monitor, as_monitor
 from .mover import Mover, movement
-from .progress import Callback, Live
+from .progress import Callback, Live, Stopped
 from .result import AdaptResult, AdaptStep
 from .sides import Boundary, sliding_sides
 from .source import Solution, Source, source_of
@@ -44,6 +43,7 @@ def adapt(
     boundary: Boundary = "straight",
     fixed: npt.ArrayLike | None = None,
     callback: Callback | None = None,
+    time_limit: float | None = None,
     progress: bool | None = None,
     backend: str | None = None,
 ) -> AdaptResult:
@@ -72,27 +72,32 @@ def adapt(
         boundary: `straight`: nodes slide along straight sides, where that changes no shape; `all`: along the polygon
             of every side, which cuts off what little lies between two nodes; `fixed`: they stay. Corners always stay.
         fixed: (ni, nj) mask of inner nodes that do not move; a side with such nodes does not slide.
-        callback: called with every `AdaptStep`.
+        callback: called with every `AdaptStep`; may raise StopIteration to stop.
+        time_limit: seconds after which to stop. Your own solver is not stopped while it works.
         progress: show progress on standard error; by default where that is a terminal.
         backend: `c` or `numpy`.
 
     Returns:
-        The result; see its `converged` and `message`. Ctrl-C gives the last grid whose solution is known.
+        The result; see its `converged` and `message`. Ctrl-C, the callback and the time limit give the last grid whose
+        solution is known.
 
     Raises:
         GridgenError: for input that cannot be used, for a folded start that cannot be untangled, and for a solution
             that is not finite or of another shape.
+        Exception: whatever the callback raises. The attribute `result` of an error after the start holds the last grid
+            whose solution is known.
     """
-    _check(grid, steps, moves, damping, tolerance, boundary, callback)
+    check_arguments(grid, steps, moves, damping, tolerance, boundary, callback, time_limit)
     definition = find_functional(functional)
     law = law_of(definition.name, power)
     source = source_of(solution, grid)
-    start, said = _valid_start(grid, fixed, backend)
+    live = Live(f"adapt, {definition.name}", callback, progress, time_limit)
+    start, said = _valid_start(grid, fixed, backend, time_limit)
     sides = sliding_sides(start, boundary, fixed)
-    mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides)
+    mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides, live.left)
     run = _Run(source, as_monitor(monitor), mover, start)
-    with Live(f"adapt, {definition.name}", callback, progress) as live:
-        converged, interrupted, message = run.until_settled(steps, moves or source.moves, tolerance, live)
+    with live:
+        converged, interrupted, message = run.until_ended(steps, moves or source.moves, tolerance, live)
     return run.result(converged, said + message, interrupted)
 
 
@@ -110,20 +115,32 @@ class _Run:
     history: list[AdaptStep] = field(default_factory=list)
     carried: SampledField | None = None
 
-    def until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, bool, str]:
-        """Adapt; return whether the grid has settled, whether Ctrl-C came, and why it stopped."""
-        live.tell(self._take(self.start, 0.0))
+    def until_ended(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, bool, str]:
+        """Adapt; return whether the grid has settled, whether something else stopped it, and why it stopped."""
+        last = "this is the last grid whose solution is known."
         try:
-            for _ in range(steps):
-                moved = self.mover.towards(self.grid, self.density, moves)
-                way = movement(self.grid, moved)
-                live.tell(self._take(moved, way))
-                if way <= tolerance:
-                    return self._settled(way)
+            return self._until_settled(steps, moves, tolerance, live)
+        except Stopped as stop:
+            return False, True, f"{stop}; {last}"
         except KeyboardInterrupt:
             if not self.history:
                 raise
-            return False, True, "it was interrupted; this is the last grid whose solution is known."
+            return False, True, f"it was interrupted; {last}"
+        except Exception as error:
+            if self.history:
+                error.result = self.result(False, f"an error stopped it; {last}", True)  # type: ignore[attr-defined]
+                error.add_note("Its attribute 'result' holds the last adapted grid whose solution is known.")
+            raise
+
+    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, bool, str]:
+        """Adapt until nothing moves, for so many steps at most."""
+        live.tell(self._take(self.start, 0.0))
+        for _ in range(steps):
+            moved = self.mover.towards(self.grid, self.density, moves)
+            way = movement(self.grid, moved)
+            live.tell(self._take(moved, way))
+            if way <= tolerance:
+                return self._settled(way)
         way = self.history[-1].movement
         return (
             False,
@@ -168,6 +185,8 @@ class _Run:
         if self.monitor.measure != "values":  # There the density was given, and no solution.
             first, last = self.history[0].error, self.history[-1].error
             message += f" The estimated error of interpolation was {first:.2e}, now it is {last:.2e}."
+        if np.ptp(self.values) == 0:
+            message += f" The solution is {self.values[0, 0]:g} at every node: there is nothing to adapt to."
         return AdaptResult(
             grid=self.grid,
             values=self.values,
@@ -181,34 +200,13 @@ class _Run:
         )
 
 
-def _valid_start(grid: Grid, fixed: npt.ArrayLike | None, backend: str | None) -> tuple[Grid, str]:
+def _valid_start(
+    grid: Grid, fixed: npt.ArrayLike | None, backend: str | None, time_limit: float | None
+) -> tuple[Grid, str]:
     """Return the start, untangled if it was folded, and what must be said of that."""
     if quality(grid).valid:
         return grid, ""
-    mended = untangle(grid, fixed=fixed, backend=backend)
+    mended = untangle(grid, fixed=fixed, backend=backend, time_limit=time_limit)
     if not mended.converged:
         raise GridgenError(f"adaptation needs a valid start, and this one is folded: {mended.message}")
     return mended.grid, "The start was folded and was untangled first: "
-
-
-def _check(
-    grid: Grid,
-    steps: int,
-    moves: int | None,
-    damping: float,
-    tolerance: float,
-    boundary: str,
-    callback: Callback | None,
-) -> None:
-    """Refuse arguments that mean nothing."""
-    check_grid(grid)
-    for name, count, least in (("steps", steps, 0), ("moves", moves, 1)):
-        if count is not None and (not isinstance(count, (int, np.integer)) or count < least):
-            raise GridgenError(f"{name} must be a whole number, at least {least}; came {count!r}")
-    for name, number in (("damping", damping), ("tolerance", tolerance)):
-        if not isinstance(number, (int, float, np.number)) or not 0 < number <= 1:
-            raise GridgenError(f"{name} must be a number above 0 and at most 1; came {number!r}")
-    if boundary not in get_args(Boundary):
-        raise GridgenError(f"unknown boundary {boundary!r}: it is one of {', '.join(get_args(Boundary))}")
-    if callback is not None and not callable(callback):
-        raise GridgenError(f"callback must be a function of one AdaptStep; came {callback!r}")

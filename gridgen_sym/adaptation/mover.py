@@ -9,7 +9,7 @@ the first share where steps agree, less where they turn back.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +41,7 @@ class Mover:
         backend: `c`, `numpy` or the default.
         damping: the share of what is wanted in the next weight; the first one is given, others follow.
         sides: where boundary nodes slide.
+        time_left: gives the seconds for which a minimisation may still work, None for any; raises when there are none.
         weight: the last weight (ni, nj); at first that under which the start is equidistributed.
         trouble: why the last minimisation stopped early, or nothing.
         lack: (ni, nj), the logarithm of what was wanted over the weight before, in the last move.
@@ -53,6 +54,7 @@ class Mover:
     backend: str | None
     damping: float
     sides: list[Side]
+    time_left: Callable[[], float | None] = lambda: None
     weight: Array | None = None
     trouble: str = ""
     lack: Array | None = None
@@ -81,9 +83,11 @@ class Mover:
             tolerance=_INNER_TOLERANCE,
             max_iterations=_INNER_STEPS,
             progress=False,
+            time_limit=self.time_left(),
             backend=self.backend,
         )
         if solved.interrupted:
+            self.time_left()  # Where this does not raise, it was Ctrl-C.
             raise KeyboardInterrupt
         self.trouble = "" if solved.converged else solved.message
         return solved.grid

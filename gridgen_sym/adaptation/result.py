@@ -44,7 +44,7 @@ class AdaptResult:
         history: one entry per step, the start first.
         before: spread of s·J and sqrt(s)·J over the cells of the start, s being the last density.
         after: the same over the cells of `grid`.
-        interrupted: whether Ctrl-C stopped it.
+        interrupted: whether Ctrl-C, the time limit or the callback stopped it.
     """
 
     grid: Grid

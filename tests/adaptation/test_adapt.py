@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from solvers.conftest import farthest, hopeless_grid
@@ -308,6 +310,8 @@ def test_nothing_to_adapt_to_leaves_a_uniform_grid():
     result = gg.adapt(square(17), "0*x + 3")
     assert result.converged
     assert farthest(result.grid, square(17)) < 1e-8
+    assert "The solution is 3 at every node: there is nothing to adapt to." in result.message
+    assert "nothing to adapt" not in gg.adapt(square(17), "x", steps=1).message
 
 
 def test_a_folded_start_is_untangled_and_a_hopeless_one_refused():
@@ -336,6 +340,67 @@ def test_ctrl_c_gives_the_last_grid_whose_solution_is_known():
     assert "interrupted" in result.message
 
 
+def test_the_callback_and_the_time_limit_stop_it():
+    seen = []
+
+    def stop(step):
+        seen.append(step)
+        if step.step == 2:
+            raise StopIteration
+
+    stopped = gg.adapt(square(17), ring, callback=stop)
+    assert (stopped.interrupted, stopped.converged) == (True, False)
+    assert stopped.history == tuple(seen)
+    assert stopped.grid == gg.adapt(square(17), ring, steps=2).grid
+    assert "the callback stopped it; this is the last grid" in stopped.message
+    at_once = gg.adapt(square(17), ring, time_limit=1e-9)
+    assert at_once.grid == square(17)
+    assert "the time limit of 1e-09 seconds is over; this is the last grid" in at_once.message
+
+
+def test_the_time_limit_ends_a_minimization(monkeypatch):
+    """Time that runs out while nodes are moved is not taken for Ctrl-C."""
+    limits = []
+
+    def slow(grid, *arguments, time_limit, **options):
+        limits.append(time_limit)
+        seconds.append(100.0)
+        return dataclasses.replace(gg.optimize(grid, "length", max_iterations=0), interrupted=True)
+
+    seconds = [0.0]
+    monkeypatch.setattr("gridgen_sym.adaptation.progress.Live.seconds", property(lambda live: seconds[-1]))
+    monkeypatch.setattr("gridgen_sym.adaptation.mover.optimize", slow)
+    result = gg.adapt(square(9), ring, time_limit=60)
+    assert limits == [60]
+    assert result.interrupted
+    assert result.grid == square(9)
+    assert "the time limit of 60 seconds" in result.message
+    assert "it was interrupted" in gg.adapt(square(9), ring).message
+
+
+def test_an_error_on_the_way_holds_the_last_grid():
+    def fail(step):
+        if step.step == 2:
+            raise LookupError("mine")
+
+    with pytest.raises(LookupError, match="mine") as caught:
+        gg.adapt(square(17), ring, callback=fail)
+    assert caught.value.result.grid == gg.adapt(square(17), ring, steps=2).grid
+    assert "'result' holds the last adapted grid" in caught.value.__notes__[0]
+    grids = []
+
+    def diverges(grid):
+        grids.append(grid)
+        if len(grids) == 3:
+            raise ArithmeticError
+        return ring(grid.x, grid.y)
+
+    with pytest.raises(gg.GridgenError, match="step 2") as caught:
+        gg.adapt(square(17), diverges)
+    assert caught.value.result.grid == grids[1]
+    assert len(caught.value.result.history) == 2
+
+
 # ---- refusals ----
 
 
@@ -347,6 +412,7 @@ def test_ctrl_c_gives_the_last_grid_whose_solution_is_known():
         ({"damping": 0}, "damping must be a number above 0 and at most 1; came 0"),
         ({"tolerance": 2}, "tolerance must be a number above 0"),
         ({"callback": 3}, "callback must be a function of one AdaptStep; came 3"),
+        ({"time_limit": 0}, "time_limit must be a positive number of seconds; came 0"),
         ({"boundary": "open"}, "unknown boundary 'open': it is one of fixed, straight, all"),
         ({"functional": "areas"}, "Did you mean 'area'"),
         ({"functional": "winslow"}, "how 'winslow' places nodes with a weight is not known"),
