@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import GridgenError
 from ..grids import Grid
 from ..grids.grid import check_grid
-from ..solvers.checks import check_time_limit
+from ..solvers.checks import check_size, check_time_limit
 from .progress import Callback
 from .sides import Boundary
 
@@ -26,6 +26,7 @@ def check_arguments(
 ) -> None:
     """Refuse arguments that mean nothing."""
     check_grid(grid)
+    check_size(grid)
     for name, count, least in (("steps", steps, 0), ("moves", moves, 1)):
         if count is not None and (not isinstance(count, (int, np.integer)) or count < least):
             raise GridgenError(f"{name} must be a whole number, at least {least}; came {count!r}")

@@ -444,5 +444,7 @@ def test_solutions_that_cannot_be_used_are_refused(solution, match):
 
 
 def test_a_start_that_is_no_grid_is_refused():
+    with pytest.raises(gg.GridgenError, match="underflow to zero: scale it"):
+        gg.adapt(gg.Grid(square(9).xy * 1e-160), ring)
     with pytest.raises(gg.GridgenError, match="expected a Grid, came ndarray"):
         gg.adapt(square(9).xy, ring)

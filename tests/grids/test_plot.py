@@ -89,6 +89,16 @@ def test_axes_of_the_caller():
     assert plot_grid(domain("square", 4, 4), ax=inner) is figure
 
 
+def test_what_is_no_grid_is_refused():
+    for draw, match in (
+        (lambda: plot_grid(domain("square", 4, 4).xy), "expected a Grid, came ndarray"),
+        (lambda: plot_grids([("a", domain("square", 4, 4).xy)]), "expected a Grid, came ndarray"),
+        (lambda: plot_grids([domain("square", 4, 4)]), "takes pairs of a title and a grid; came Grid"),
+    ):
+        with pytest.raises(GridgenError, match=match):
+            draw()
+
+
 def test_degenerate_grids_are_drawn_without_warnings(tmp_path):
     for xy in (
         np.ones((3, 3, 2)),
