@@ -73,6 +73,7 @@ def test_witness_is_exact(name):
     assert all(value.is_Rational for value in witness.values())
     assert METRIC[J].subs(witness) > 0
     assert expand_metric(found.determinant).subs(witness) < 0
+    assert found.ellipticity.how_known == "shown by an exact witness"  # Refuted is that it is elliptic.
 
 
 @pytest.mark.parametrize(
