@@ -12,6 +12,7 @@ import numpy as np
 
 from ..grids import corner_jacobians
 from ..runtime import Array
+from .deadline import Deadline
 from .equations import Equations
 from .linear import LinearSolver, jacobian_solver
 from .problem import converged_message, norm_of, step_control_message
@@ -50,7 +51,7 @@ def solve_by_newton(
         if iteration == limit or held_back == _PATIENCE:
             break
         guard = 0.1 * smallest if smallest > 0 and (problem.kernels.barrier or keep_valid) else -np.inf
-        step, damping, folds = _reduce(equations, solver, coordinates, residual, damping, guard)
+        step, damping, folds = _reduce(equations, solver, coordinates, residual, damping, guard, report.deadline)
         if step is None:
             return (
                 False,
@@ -82,6 +83,7 @@ def _reduce(
     residual: Array,
     damping: float,
     guard: float,
+    deadline: Deadline,
 ) -> tuple[Array | None, float, bool]:
     """Return a step that lowers the residual's norm (None if there is none), and the damping for the next one.
 
@@ -104,6 +106,7 @@ def _reduce(
     normal, slope = (matrix.T @ matrix).tocsc(), matrix.T @ right
     size = normal.diagonal().mean()
     while damping < _LARGEST_DAMPING:
+        deadline.check()
         from scipy.sparse import identity
 
         direction = to_field(_solve(normal + damping * size * identity(slope.size, format="csc"), slope), fixed)

@@ -17,6 +17,7 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid, corner_jacobians
 from .checks import check_controls
+from .deadline import Deadline
 from .equations import Equations
 from .equations_newton import solve_by_newton
 from .equations_relaxation import solve_by_relaxation
@@ -93,7 +94,7 @@ def solve_euler_lagrange(
 
     limit = _LIMITS[method] if max_iterations is None else max_iterations
     title = f"Euler–Lagrange equations of {definition.name}"
-    with Progress(title, callback, progress, time_limit) as report:
+    with Progress(title, callback, progress, Deadline(time_limit)) as report:
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
         equations = Equations(run.problem, spacing)
 

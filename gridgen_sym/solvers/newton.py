@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime import Array
+from .deadline import Deadline
 from .goal import Goal
 from .line_search import LineSearch
 from .linear import LinearSolver, Solution, hessian_solver
@@ -75,7 +76,8 @@ def minimize(
     goal = Goal(point, tolerance, reference)
     progress.step(0, point.energy, point.norm, point.smallest)
     floor = jacobian_floor(point.smallest)
-    state = _Newton(problem, solver or hessian_solver(problem.fixed, problem.kernels.backend), semidefinite)
+    linear = solver or hessian_solver(problem.fixed, problem.kernels.backend)
+    state = _Newton(problem, linear, progress.deadline, semidefinite)
     cut, held_back, extent, trial = 0, 0, float(np.ptp(coordinates)), np.empty_like(coordinates)
     for iteration in range(max_iterations + 1):
         if until_valid and point.smallest > 0:
@@ -85,7 +87,7 @@ def minimize(
         if iteration == max_iterations:
             break
         if barrier and point.norm > max(_STEEP * goal.scale, _POOR * before):
-            eliminate(point, _minimize_window)
+            eliminate(point, _minimize_window, progress.deadline)
             if goal.reached(point):
                 return True, converged_message("gradient", point.norm, goal.first, iteration + 1)
         # As in the sweeps, no step takes more than nine tenths of the smallest Jacobian.
@@ -112,9 +114,9 @@ def minimize(
     return False, _stuck(why, point.norm, goal.first) + step_control_message(cut)
 
 
-def _minimize_window(problem: Problem, coordinates: Array) -> None:
+def _minimize_window(problem: Problem, coordinates: Array, deadline: Deadline) -> None:
     """Minimise over a part of the grid, well enough for the whole."""
-    unseen = Progress("window", show=False)
+    unseen = Progress("window", show=False, deadline=deadline)
     minimize(problem, coordinates, unseen, tolerance=_WINDOW, max_iterations=_WINDOW_STEPS, keep_valid=True)
 
 
@@ -137,6 +139,7 @@ class _Newton:
 
     problem: Problem
     solver: LinearSolver
+    deadline: Deadline
     only_semidefinite: bool
     cautious: bool = False
     shift: float = 0.0
@@ -158,6 +161,7 @@ class _Newton:
         """Return a step that lowers the energy, or None if no shift gives one."""
         semidefinite = self.only_semidefinite or self.cautious
         while self.shift < _LARGEST_SHIFT:
+            self.deadline.check()
             solution = self._solve(search, semidefinite)
             if solution is not None and self._search(search, solution):
                 return np.multiply(solution.vector, search.length, out=solution.vector)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .progress import Progress, StopRequest
+from .deadline import StopRequest
+from .progress import Progress
 from .result import Result
 
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from gridgen_sym.solvers.deadline import Deadline
 from gridgen_sym.solvers.goal import Goal
 from gridgen_sym.solvers.line_search import LineSearch
 from gridgen_sym.solvers.newton import _Newton
@@ -94,7 +95,7 @@ def test_a_direction_of_negative_curvature_is_followed_downhill(sign):
 
 
 def newton(forcing=0.1):
-    return _Newton(PARABOLA, None, only_semidefinite=False, forcing=forcing)
+    return _Newton(PARABOLA, None, Deadline(), only_semidefinite=False, forcing=forcing)
 
 
 def taken(length, folds=False):
