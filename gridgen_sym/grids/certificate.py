@@ -65,7 +65,7 @@ class Certificate:
 
 
 def certificates(
-    grid: Grid, *, search: bool = False, check: Callable[[], None] | None = None
+    grid: Grid, *, search: bool = False, check: Callable[[], object] | None = None
 ) -> tuple[Certificate, ...]:
     """Return proofs that the boundary nodes of a grid, which do not move, admit no grid without a folded cell.
 

@@ -1,12 +1,25 @@
-"""The end of a time limit: all that works for long asks now and then whether it has come."""
+"""What ends a run before its end: Ctrl-C, a callback, or the time limit, for which all that works for long asks."""
 
 from __future__ import annotations
 
 import time
+from typing import Literal
+
+#: What may end a run early.
+Stop = Literal["Ctrl-C", "time limit", "callback"]
 
 
 class StopRequest(Exception):  # noqa: N818 - nothing went wrong
-    """Ends a solver that the callback or the time limit stops; its text says which."""
+    """Ends a run that the callback or the time limit stops; its text says so.
+
+    Attributes:
+        by: which of them.
+    """
+
+    def __init__(self, by: Stop, text: str) -> None:
+        """Say which, and why."""
+        super().__init__(text)
+        self.by = by
 
 
 class Deadline:
@@ -16,16 +29,15 @@ class Deadline:
         """Set it; None is never."""
         self._seconds, self._begin = seconds, time.monotonic()
 
-    @property
-    def left(self) -> float:
-        """The seconds that are left: infinite without a limit, 0 when the time is over."""
-        return float("inf") if self._seconds is None else max(0.0, self._begin + self._seconds - time.monotonic())
-
-    def check(self) -> None:
-        """Do nothing as long as there is time.
+    def check(self) -> float:
+        """Return the seconds that are left, infinite without a limit.
 
         Raises:
-            StopRequest: when it is over.
+            StopRequest: when the time is over.
         """
-        if not self.left:
-            raise StopRequest(f"the time limit of {self._seconds:g} seconds is over")
+        if self._seconds is None:
+            return float("inf")
+        left = self._begin + self._seconds - time.monotonic()
+        if left <= 0:
+            raise StopRequest("time limit", f"the time limit of {self._seconds:g} seconds is over")
+        return left

@@ -17,7 +17,7 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid, corner_jacobians
 from .checks import check_controls
-from .deadline import Deadline
+from .deadline import Deadline, Stop
 from .equations import Equations
 from .equations_newton import solve_by_newton
 from .equations_relaxation import solve_by_relaxation
@@ -106,9 +106,9 @@ def solve_euler_lagrange(
                 return solve_by_relaxation(equations, run.coordinates, report, tolerance, limit, relaxation)
             return solve_by_newton(equations, run.coordinates, report, tolerance, limit, keep_valid)
 
-        def result(converged: bool, message: str, interrupted: bool) -> Result:
+        def result(converged: bool, message: str, stopped_by: Stop | None) -> Result:
             converged, message = _choose(run, equations, converged, message, keep_valid)
-            return run.result(converged, message, interrupted)
+            return run.result(converged, message, stopped_by)
 
         return run_to_result(solve, result, report)
 

@@ -81,8 +81,7 @@ class Fold:
         radius, smallest = _RADIUS, float(self._jacobians(self.place).min())
         seen = [smallest]
         while smallest <= 0 and radius > _SMALLEST:
-            progress.deadline.check()
-            step = self._program(radius, min(_SECONDS, progress.deadline.left))
+            step = self._program(radius, min(_SECONDS, progress.deadline.check()))
             length = 1.0
             while step is not None and length > _SHRINK:
                 reached = float(self._jacobians(self.place + length * step).min())

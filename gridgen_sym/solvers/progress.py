@@ -69,7 +69,7 @@ class Progress(LiveLine):
         try:
             self._callback(step)
         except StopIteration:
-            raise StopRequest("the callback stopped it") from None
+            raise StopRequest("callback", "the callback stopped it") from None
         except Exception as error:
             self.callback_error = error
             raise

@@ -10,6 +10,7 @@ from ..grids import Certificate, Grid, certificates, corner_jacobians, quality
 from ..grids.grid import boundary_indices
 from ..grids.predicates import area_sign
 from ..runtime import Array
+from .deadline import Stop
 from .lift import lift
 from .middles import unfold_from_middles
 from .nested import Nested, worth_nesting
@@ -131,7 +132,7 @@ class Run:
         proofs = _proofs_text(self.proofs) or "No proof was found that there is no valid grid."
         return f"{told} {quality(Grid.from_planes(*self.coordinates)).describe_folds()}\n{proofs}"
 
-    def result(self, converged: bool, message: str, interrupted: bool) -> Result:
+    def result(self, converged: bool, message: str, stopped_by: Stop | None) -> Result:
         """Return what the run has found, with what must be said of folded cells and of the weight."""
         self.problem.refresh(self.coordinates)
         energy, smallest = self.problem.energy(self.coordinates)
@@ -150,7 +151,7 @@ class Run:
             iterations=max(len(self.report.history) - 1, 0),
             energy=energy,
             history=tuple(self.report.history),
-            interrupted=interrupted,
+            stopped_by=stopped_by,
             certificates=proofs,
         )
 

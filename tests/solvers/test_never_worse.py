@@ -65,6 +65,7 @@ def test_whatever_stops_a_run_leaves_a_valid_grid(solve, name, stop):
 
     result = solve(start, name, callback=callback)
     assert result.interrupted
+    assert result.stopped_by == ("callback" if stop is StopIteration else "Ctrl-C")
     assert not result.converged
     assert result.quality.valid
     assert ("callback stopped it" if stop is StopIteration else "interrupted") in result.message
@@ -90,7 +91,7 @@ def test_an_error_in_a_callback_does_not_lose_the_grid(solve, name):
 def test_the_time_limit_ends_a_run_with_its_best_grid(solve):
     start = gg.domain("swan", 17, 17)
     result = solve(start, "winslow", time_limit=1e-9)
-    assert result.interrupted
+    assert result.stopped_by == "time limit"
     assert "time limit of 1e-09 seconds" in result.message
     assert result.quality.folded_cells <= gg.quality(start).folded_cells
 
