@@ -18,7 +18,8 @@ from ..runtime import Array
 from .deadline import Deadline
 from .local import sweep
 from .point import Point
-from .problem import Problem, jacobian_floor
+from .problem import Problem
+from .step_control import jacobian_floor
 from .windows import cut_out, windows
 
 #: Nodes stand out whose gradient's square is so many times the mean: in the sweeps, and for a window.

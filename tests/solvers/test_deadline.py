@@ -13,7 +13,8 @@ import gridgen_sym as gg
 from gridgen_sym.solvers import equations_newton, lift
 from gridgen_sym.solvers.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.equations import Equations
-from gridgen_sym.solvers.newton import _minimize_window, _Newton
+from gridgen_sym.solvers.newton import _minimize_window
+from gridgen_sym.solvers.newton_steps import NewtonSteps
 from gridgen_sym.solvers.nonlinear_elimination import eliminate
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.progress import Progress
@@ -109,7 +110,7 @@ def test_every_program_of_a_lift_asks(monkeypatch):
 def test_every_linear_system_of_a_step_asks():
     problem = make_problem(gg.domain("wavy", 9, 9), "winslow")
     never_solves = SimpleNamespace(set_operator=lambda planes: False)
-    state = _Newton(problem, never_solves, Ends(3), only_semidefinite=False)
+    state = NewtonSteps(problem, never_solves, Ends(3), only_semidefinite=False)
     with pytest.raises(StopRequest):
         state.downhill(SimpleNamespace(point=point_of(gg.domain("wavy", 9, 9).planes.copy())))
     assert state.deadline.asked == 4

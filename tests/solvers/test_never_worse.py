@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.line_search import LineSearch
+from gridgen_sym.solvers.point import Point
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.prolongation import finer_start, from_boundary
 from gridgen_sym.solvers.untangle import Folds
@@ -51,6 +53,35 @@ def test_steps_that_were_cut_are_counted():
     assert "cut short so that no cell folds" in gg.optimize(start, "length", max_iterations=3).message
     assert "cut short" not in gg.optimize(start, "winslow", max_iterations=3).message
     assert "cut short" not in gg.optimize(gg.domain("wavy", 9, 9), "length").message
+
+
+def test_a_weight_that_raises_the_energy_after_each_step_does_not_hide_its_progress(monkeypatch):
+    """Steps that a barrier cuts are progress as long as they lower the energy with the weight that they have seen."""
+    rises = count()
+
+    def evaluate(self, evaluate=Point.evaluate):
+        evaluate(self)
+        self.energy += 10.0 ** next(rises)
+
+    def cut(self, direction, along=LineSearch.along):
+        found, self.folds = along(self, direction), True
+        return found
+
+    monkeypatch.setattr(Point, "evaluate", evaluate)
+    monkeypatch.setattr(LineSearch, "along", cut)
+    result = gg.optimize(disordered(gg.domain("chevron", 13, 13), 0.3), "winslow", tolerance=1e-14)
+    assert "lies beyond" not in result.message
+    assert result.iterations > 5
+
+
+def test_a_weight_that_never_lets_the_grid_settle_is_named():
+    random = np.random.default_rng(0)
+    start = disordered(gg.domain("square", 13, 13), 0.3)
+    result = gg.optimize(start, "length", weight=lambda x, y: 1 + 5 * random.random() * x)
+    assert not result.converged
+    assert result.quality.valid
+    assert "does not settle" in result.message
+    assert 50 <= result.iterations < 1000
 
 
 @each_solver
