@@ -15,6 +15,7 @@ from ..grids import Grid, quality
 from ..runtime import Array
 from ..solvers import untangle
 from ..solvers.checks import fixed_mask
+from ..solvers.deadline import Deadline, Stop, StopRequest
 from ..solvers.sampled import SampledField, grid_field
 from .checks import check_arguments
 from .equidistribution import cell_areas, cell_means, equidistribution, variation
@@ -22,7 +23,7 @@ from .error_estimate import hierarchical_error
 from .law import law_of
 from .monitor import Measure, Monitor, as_monitor
 from .mover import Mover, movement
-from .progress import Callback, Live, Stopped
+from .progress import Callback, Live
 from .result import AdaptResult, AdaptStep
 from .sides import Boundary, sliding_sides
 from .source import Solution, Source, source_of
@@ -72,14 +73,14 @@ def adapt(
         boundary: `straight`: nodes slide along straight sides, where that changes no shape; `all`: along the polygon
             of every side, which cuts off what little lies between two nodes; `fixed`: they stay. Corners always stay.
         fixed: (ni, nj) mask of inner nodes that do not move; a side with such nodes does not slide.
-        callback: called with every `AdaptStep`; may raise StopIteration to stop.
-        time_limit: seconds after which to stop. Your own solver is not stopped while it works.
+        callback: called with every `AdaptStep`; may raise StopIteration to end the adaptation.
+        time_limit: seconds after which the adaptation ends; your solver is not interrupted.
         progress: show progress on standard error; by default where that is a terminal.
         backend: `c` or `numpy`.
 
     Returns:
-        The result; see its `converged` and `message`. Ctrl-C, the callback and the time limit give the last grid whose
-        solution is known.
+        The result; see its `converged` and `message`. After Ctrl-C, when the time is over or the callback ends it, it
+        is the last grid whose solution is known.
 
     Raises:
         GridgenError: for input that cannot be used, for a folded start that cannot be untangled, and for a solution
@@ -88,17 +89,17 @@ def adapt(
             whose solution is known.
     """
     check_arguments(grid, steps, moves, damping, tolerance, boundary, callback, time_limit)
+    deadline = Deadline(time_limit)
     definition = find_functional(functional)
     law = law_of(definition.name, power)
     source = source_of(solution, grid)
-    live = Live(f"adapt, {definition.name}", callback, progress, time_limit)
-    start, said = _valid_start(grid, fixed, backend, time_limit)
+    start, said = _valid_start(grid, fixed, time_limit, backend)
     sides = sliding_sides(start, boundary, fixed)
-    mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides, live.left)
+    mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides, deadline)
     run = _Run(source, as_monitor(monitor), mover, start)
-    with live:
-        converged, interrupted, message = run.until_ended(steps, moves or source.moves, tolerance, live)
-    return run.result(converged, said + message, interrupted)
+    with Live(f"adapt, {definition.name}", callback, progress) as live:
+        converged, stopped_by, message = run.until_ended(steps, moves or source.moves, tolerance, live)
+    return run.result(converged, said + message, stopped_by)
 
 
 @dataclass(slots=True)
@@ -115,24 +116,24 @@ class _Run:
     history: list[AdaptStep] = field(default_factory=list)
     carried: SampledField | None = None
 
-    def until_ended(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, bool, str]:
-        """Adapt; return whether the grid has settled, whether something else stopped it, and why it stopped."""
+    def until_ended(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
+        """Adapt; return whether the grid has settled, what ended this early, and why it stopped."""
         last = "this is the last grid whose solution is known."
         try:
             return self._until_settled(steps, moves, tolerance, live)
-        except Stopped as stop:
-            return False, True, f"{stop}; {last}"
+        except StopRequest as stop:
+            return False, stop.by, f"{stop}; {last}"
         except KeyboardInterrupt:
             if not self.history:
                 raise
-            return False, True, f"it was interrupted; {last}"
+            return False, "Ctrl-C", f"it was interrupted; {last}"
         except Exception as error:
             if self.history:
-                error.result = self.result(False, f"an error stopped it; {last}", True)  # type: ignore[attr-defined]
+                error.result = self.result(False, f"an error ended it; {last}", None)  # type: ignore[attr-defined]
                 error.add_note("Its attribute 'result' holds the last adapted grid whose solution is known.")
             raise
 
-    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, bool, str]:
+    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, None, str]:
         """Adapt until nothing moves, for so many steps at most."""
         live.tell(self._take(self.start, 0.0))
         for _ in range(steps):
@@ -144,19 +145,19 @@ class _Run:
         way = self.history[-1].movement
         return (
             False,
-            False,
+            None,
             (
                 f"the grid has not settled in {steps} steps: the last one moved a node by {way:.1e}, more than "
                 f"{tolerance:.1e} of the domain's size. Allow more steps, a smaller share or more smoothing."
             ),
         )
 
-    def _settled(self, way: float) -> tuple[bool, bool, str]:
+    def _settled(self, way: float) -> tuple[bool, None, str]:
         """Return what to say of a grid whose nodes no longer move: that can mean that they cannot."""
         if not self.mover.trouble:
-            return True, False, f"the grid has settled: its last step moved no node by more than {way:.1e}."
+            return True, None, f"the grid has settled: its last step moved no node by more than {way:.1e}."
         name = self.mover.functional.name
-        return False, False, f"nodes move no farther, but {name} is not minimised: {self.mover.trouble}"
+        return False, None, f"nodes move no farther, but {name} is not minimised: {self.mover.trouble}"
 
     def _take(self, grid: Grid, way: float) -> AdaptStep:
         """Solve on a grid and make it the present one."""
@@ -180,7 +181,7 @@ class _Run:
         self.history.append(step)
         return step
 
-    def result(self, converged: bool, message: str, interrupted: bool) -> AdaptResult:
+    def result(self, converged: bool, message: str, stopped_by: Stop | None) -> AdaptResult:
         """Return what was found."""
         if self.monitor.measure != "values":  # There the density was given, and no solution.
             first, last = self.history[0].error, self.history[-1].error
@@ -196,17 +197,19 @@ class _Run:
             history=tuple(self.history),
             before=equidistribution(self.start, grid_field(self.grid, self.density)(self.start.x, self.start.y)),
             after=equidistribution(self.grid, self.density),
-            interrupted=interrupted,
+            stopped_by=stopped_by,
         )
 
 
 def _valid_start(
-    grid: Grid, fixed: npt.ArrayLike | None, backend: str | None, time_limit: float | None
+    grid: Grid, fixed: npt.ArrayLike | None, time_limit: float | None, backend: str | None
 ) -> tuple[Grid, str]:
     """Return the start, untangled if it was folded, and what must be said of that."""
     if quality(grid).valid:
         return grid, ""
-    mended = untangle(grid, fixed=fixed, backend=backend, time_limit=time_limit)
+    mended = untangle(grid, fixed=fixed, time_limit=time_limit, backend=backend)
+    if mended.stopped_by == "Ctrl-C":
+        raise KeyboardInterrupt
     if not mended.converged:
         raise GridgenError(f"adaptation needs a valid start, and this one is folded: {mended.message}")
     return mended.grid, "The start was folded and was untangled first: "

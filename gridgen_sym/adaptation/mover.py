@@ -9,8 +9,8 @@ the first share where steps agree, less where they turn back.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ..functionals.definition import Functional
 from ..grids import Grid
 from ..runtime import Array, Mask
 from ..solvers import Weight, optimize
+from ..solvers.deadline import Deadline
 from ..solvers.sampled import grid_field, nodal
 from .equidistribution import cell_areas
 from .law import weight_values
@@ -41,7 +42,7 @@ class Mover:
         backend: `c`, `numpy` or the default.
         damping: the share of what is wanted in the next weight; the first one is given, others follow.
         sides: where boundary nodes slide.
-        time_left: gives the seconds for which a minimisation may still work, None for any; raises when there are none.
+        deadline: of the adaptation.
         weight: the last weight (ni, nj); at first that under which the start is equidistributed.
         trouble: why the last minimisation stopped early, or nothing.
         lack: (ni, nj), the logarithm of what was wanted over the weight before, in the last move.
@@ -54,13 +55,18 @@ class Mover:
     backend: str | None
     damping: float
     sides: list[Side]
-    time_left: Callable[[], float | None] = lambda: None
+    deadline: Deadline = field(default_factory=Deadline)
     weight: Array | None = None
     trouble: str = ""
     lack: Array | None = None
 
     def towards(self, grid: Grid, density: Array, moves: int) -> Grid:
-        """Return the grid after some moves towards the density (ni, nj) at its nodes; interpolated between moves."""
+        """Return the grid after some moves towards the density (ni, nj) at its nodes; interpolated between moves.
+
+        Raises:
+            StopRequest: when the time is over.
+            KeyboardInterrupt: after Ctrl-C.
+        """
         moved, there = self._move(grid, density), None
         for _ in range(moves - 1):
             there = there or grid_field(grid, density)
@@ -83,11 +89,11 @@ class Mover:
             tolerance=_INNER_TOLERANCE,
             max_iterations=_INNER_STEPS,
             progress=False,
-            time_limit=self.time_left(),
+            time_limit=self.deadline.check(),
             backend=self.backend,
         )
         if solved.interrupted:
-            self.time_left()  # Where this does not raise, it was Ctrl-C.
+            self.deadline.check()
             raise KeyboardInterrupt
         self.trouble = "" if solved.converged else solved.message
         return solved.grid

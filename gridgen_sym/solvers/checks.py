@@ -75,6 +75,6 @@ def check_controls(
 
 
 def check_time_limit(time_limit: float | None) -> None:
-    """Refuse a time limit that is no time."""
+    """Refuse a time limit that means nothing."""
     if time_limit is not None and not (isinstance(time_limit, (int, float, np.number)) and time_limit > 0):
         raise GridgenError(f"time_limit must be a positive number of seconds; came {time_limit!r}")

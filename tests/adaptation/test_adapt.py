@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
+from itertools import count
 
 import numpy as np
 import pytest
@@ -338,9 +338,54 @@ def test_ctrl_c_gives_the_last_grid_whose_solution_is_known():
     assert not result.converged
     assert result.grid == calls[2]
     assert "interrupted" in result.message
+    assert result.stopped_by == "Ctrl-C"
 
 
-def test_the_callback_and_the_time_limit_stop_it():
+def test_ctrl_c_in_an_untangling_goes_on_to_the_user(monkeypatch):
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    xy = square(9).xy
+    xy[5, 5], xy[6, 5] = xy[6, 5].copy(), xy[5, 5].copy()
+    monkeypatch.setattr("gridgen_sym.solvers.run.unfold", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        gg.adapt(gg.Grid(xy), ring)
+
+
+def test_the_time_limit_gives_the_last_grid_whose_solution_is_known(monkeypatch):
+    start, solved, now = square(17), [], [0.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+
+    def solve(grid):
+        solved.append(grid)
+        now[0] += 1.0
+        return ring(grid.x, grid.y)
+
+    result = gg.adapt(start, solve, time_limit=2.5)
+    assert result.stopped_by == "time limit"
+    assert result.interrupted
+    assert not result.converged
+    assert result.message.startswith("the time limit of 2.5 seconds is over; this is the last grid whose solution")
+    assert (len(solved), result.grid) == (3, solved[-1])
+
+
+def test_the_time_limit_ends_a_minimisation_of_an_adaptation(monkeypatch):
+    start = square(17)
+    monkeypatch.setattr("time.monotonic", count(0.0, 0.01).__next__)
+    assert gg.adapt(start, ring, time_limit=1e9).stopped_by is None
+    result = gg.adapt(start, ring, time_limit=0.035)
+    assert result.stopped_by == "time limit"
+    assert result.grid == start
+
+
+def test_a_folded_start_that_cannot_be_untangled_in_time_is_refused():
+    xy = square(9).xy
+    xy[5, 5], xy[6, 5] = xy[6, 5].copy(), xy[5, 5].copy()
+    with pytest.raises(gg.GridgenError, match=r"needs a valid start.* time limit of 1e-09 seconds is over"):
+        gg.adapt(gg.Grid(xy), ring, time_limit=1e-9)
+
+
+def test_the_callback_ends_it():
     seen = []
 
     def stop(step):
@@ -352,30 +397,8 @@ def test_the_callback_and_the_time_limit_stop_it():
     assert (stopped.interrupted, stopped.converged) == (True, False)
     assert stopped.history == tuple(seen)
     assert stopped.grid == gg.adapt(square(17), ring, steps=2).grid
+    assert stopped.stopped_by == "callback"
     assert "the callback stopped it; this is the last grid" in stopped.message
-    at_once = gg.adapt(square(17), ring, time_limit=1e-9)
-    assert at_once.grid == square(17)
-    assert "the time limit of 1e-09 seconds is over; this is the last grid" in at_once.message
-
-
-def test_the_time_limit_ends_a_minimization(monkeypatch):
-    """Time that runs out while nodes are moved is not taken for Ctrl-C."""
-    limits = []
-
-    def slow(grid, *arguments, time_limit, **options):
-        limits.append(time_limit)
-        seconds.append(100.0)
-        return dataclasses.replace(gg.optimize(grid, "length", max_iterations=0), interrupted=True)
-
-    seconds = [0.0]
-    monkeypatch.setattr("gridgen_sym.adaptation.progress.Live.seconds", property(lambda live: seconds[-1]))
-    monkeypatch.setattr("gridgen_sym.adaptation.mover.optimize", slow)
-    result = gg.adapt(square(9), ring, time_limit=60)
-    assert limits == [60]
-    assert result.interrupted
-    assert result.grid == square(9)
-    assert "the time limit of 60 seconds" in result.message
-    assert "it was interrupted" in gg.adapt(square(9), ring).message
 
 
 def test_an_error_on_the_way_holds_the_last_grid():
