@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from .conflict import Conflict, find_conflict
 from .grid import FloatArray, Grid, boundary_indices, check_grid
 from .neck import Node, crowded_nodes
-from .places import nodes_of
+from .network import nodes_of
 from .polygon import first_repeated, inner_angles, proper_crossings, turns, winding_number
 from .predicates import area_sign, orientation
 
