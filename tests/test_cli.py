@@ -105,6 +105,17 @@ def test_a_result_that_did_not_converge_is_told_and_is_no_failure():
     assert "valid: no folded cell" in said
 
 
+@pytest.mark.parametrize("solver", ["newton", "local", "euler-lagrange", "relaxation"])
+def test_a_time_limit_leaves_the_best_grid_which_decides_the_exit_code(solver):
+    limit = ["-f", "winslow", "--solver", solver, "--time-limit", "1e-9"]
+    said = run("grid", "swan", *limit, "--size", 40, 40, "-o", "folded.npz", code=1)
+    assert "the time limit of 1e-09 seconds is over" in said
+    assert gg.quality(gg.read("folded.npz")).folded_cells <= 57
+    run("grid", "wavy", *limit, "--size", 8, 8, "-o", "valid.npz")
+    assert gg.read("valid.npz") == gg.domain("wavy", 9, 9)
+    assert "time_limit must be a positive number" in run("grid", "wavy", *limit[:-1], "-1", code=2)
+
+
 def test_weights_and_parameters():
     weight = ["--weight", "1 + x**2", "--weight-mode", "differentiated"]
     run("grid", "square", "-f", "area", "--size", 6, 6, *weight, "--interior-only")

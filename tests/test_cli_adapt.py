@@ -106,6 +106,12 @@ def test_bad_input_exits_with_2_and_says_what_to_do(arguments, match, tmp_path):
     assert match in run(*arguments, code=2)
 
 
+def test_a_time_limit_leaves_the_last_grid_and_is_no_failure():
+    said = run("square", "--to", RING, "--size", 10, 10, "--time-limit", "1e-9", "-o", "a.vts")
+    assert "the time limit of 1e-09 seconds is over" in said
+    assert gg.read("a.vts") == gg.domain("square", 11, 11)
+
+
 def test_an_interrupted_adaptation_writes_its_last_grid_and_exits_with_130(monkeypatch):
     def stop(self, grid, density, moves):
         raise KeyboardInterrupt

@@ -16,7 +16,8 @@ from ..grids import Grid, quality
 from ..grids.grid import check_grid
 from ..runtime import Array
 from ..solvers import untangle
-from ..solvers.checks import fixed_mask
+from ..solvers.checks import check_time_limit, fixed_mask
+from ..solvers.deadline import Deadline, Stop, StopRequest
 from ..solvers.sampled import SampledField, grid_field
 from .equidistribution import cell_areas, cell_means, equidistribution, variation
 from .error_estimate import hierarchical_error
@@ -44,6 +45,7 @@ def adapt(
     boundary: Boundary = "straight",
     fixed: npt.ArrayLike | None = None,
     callback: Callback | None = None,
+    time_limit: float | None = None,
     progress: bool | None = None,
     backend: str | None = None,
 ) -> AdaptResult:
@@ -73,27 +75,31 @@ def adapt(
             of every side, which cuts off what little lies between two nodes; `fixed`: they stay. Corners always stay.
         fixed: (ni, nj) mask of inner nodes that do not move; a side with such nodes does not slide.
         callback: called with every `AdaptStep`.
+        time_limit: seconds after which the adaptation ends; your solver is not interrupted.
         progress: show progress on standard error; by default where that is a terminal.
         backend: `c` or `numpy`.
 
     Returns:
-        The result; see its `converged` and `message`. Ctrl-C gives the last grid whose solution is known.
+        The result; see its `converged` and `message`. After Ctrl-C, or when the time is over, it is the
+        last grid whose solution is known.
 
     Raises:
         GridgenError: for input that cannot be used, for a folded start that cannot be untangled, and for a solution
             that is not finite or of another shape.
     """
     _check(grid, steps, moves, damping, tolerance, boundary, callback)
+    check_time_limit(time_limit)
+    deadline = Deadline(time_limit)
     definition = find_functional(functional)
     law = law_of(definition.name, power)
     source = source_of(solution, grid)
-    start, said = _valid_start(grid, fixed, backend)
+    start, said = _valid_start(grid, fixed, time_limit, backend)
     sides = sliding_sides(start, boundary, fixed)
-    mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides)
+    mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides, deadline)
     run = _Run(source, as_monitor(monitor), mover, start)
     with Live(f"adapt, {definition.name}", callback, progress) as live:
-        converged, interrupted, message = run.until_settled(steps, moves or source.moves, tolerance, live)
-    return run.result(converged, said + message, interrupted)
+        converged, stopped_by, message = run.until_settled(steps, moves or source.moves, tolerance, live)
+    return run.result(converged, said + message, stopped_by)
 
 
 @dataclass(slots=True)
@@ -110,8 +116,8 @@ class _Run:
     history: list[AdaptStep] = field(default_factory=list)
     carried: SampledField | None = None
 
-    def until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, bool, str]:
-        """Adapt; return whether the grid has settled, whether Ctrl-C came, and why it stopped."""
+    def until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
+        """Adapt; return whether the grid has settled, what ended this early, and why it stopped."""
         live.tell(self._take(self.start, 0.0))
         try:
             for _ in range(steps):
@@ -120,26 +126,26 @@ class _Run:
                 live.tell(self._take(moved, way))
                 if way <= tolerance:
                     return self._settled(way)
+        except StopRequest as stop:
+            return False, stop.by, f"{stop}; this is the last grid whose solution is known."
         except KeyboardInterrupt:
-            if not self.history:
-                raise
-            return False, True, "it was interrupted; this is the last grid whose solution is known."
+            return False, "Ctrl-C", "it was interrupted; this is the last grid whose solution is known."
         way = self.history[-1].movement
         return (
             False,
-            False,
+            None,
             (
                 f"the grid has not settled in {steps} steps: the last one moved a node by {way:.1e}, more than "
                 f"{tolerance:.1e} of the domain's size. Allow more steps, a smaller share or more smoothing."
             ),
         )
 
-    def _settled(self, way: float) -> tuple[bool, bool, str]:
+    def _settled(self, way: float) -> tuple[bool, None, str]:
         """Return what to say of a grid whose nodes no longer move: that can mean that they cannot."""
         if not self.mover.trouble:
-            return True, False, f"the grid has settled: its last step moved no node by more than {way:.1e}."
+            return True, None, f"the grid has settled: its last step moved no node by more than {way:.1e}."
         name = self.mover.functional.name
-        return False, False, f"nodes move no farther, but {name} is not minimised: {self.mover.trouble}"
+        return False, None, f"nodes move no farther, but {name} is not minimised: {self.mover.trouble}"
 
     def _take(self, grid: Grid, way: float) -> AdaptStep:
         """Solve on a grid and make it the present one."""
@@ -163,7 +169,7 @@ class _Run:
         self.history.append(step)
         return step
 
-    def result(self, converged: bool, message: str, interrupted: bool) -> AdaptResult:
+    def result(self, converged: bool, message: str, stopped_by: Stop | None) -> AdaptResult:
         """Return what was found."""
         if self.monitor.measure != "values":  # There the density was given, and no solution.
             first, last = self.history[0].error, self.history[-1].error
@@ -177,15 +183,19 @@ class _Run:
             history=tuple(self.history),
             before=equidistribution(self.start, grid_field(self.grid, self.density)(self.start.x, self.start.y)),
             after=equidistribution(self.grid, self.density),
-            interrupted=interrupted,
+            stopped_by=stopped_by,
         )
 
 
-def _valid_start(grid: Grid, fixed: npt.ArrayLike | None, backend: str | None) -> tuple[Grid, str]:
+def _valid_start(
+    grid: Grid, fixed: npt.ArrayLike | None, time_limit: float | None, backend: str | None
+) -> tuple[Grid, str]:
     """Return the start, untangled if it was folded, and what must be said of that."""
     if quality(grid).valid:
         return grid, ""
-    mended = untangle(grid, fixed=fixed, backend=backend)
+    mended = untangle(grid, fixed=fixed, time_limit=time_limit, backend=backend)
+    if mended.stopped_by == "Ctrl-C":
+        raise KeyboardInterrupt
     if not mended.converged:
         raise GridgenError(f"adaptation needs a valid start, and this one is folded: {mended.message}")
     return mended.grid, "The start was folded and was untangled first: "

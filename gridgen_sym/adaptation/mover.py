@@ -10,7 +10,7 @@ the first share where steps agree, less where they turn back.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ..functionals.definition import Functional
 from ..grids import Grid
 from ..runtime import Array, Mask
 from ..solvers import Weight, optimize
+from ..solvers.deadline import Deadline
 from ..solvers.sampled import grid_field, nodal
 from .equidistribution import cell_areas
 from .law import weight_values
@@ -41,6 +42,7 @@ class Mover:
         backend: `c`, `numpy` or the default.
         damping: the share of what is wanted in the next weight; the first one is given, others follow.
         sides: where boundary nodes slide.
+        deadline: of the adaptation.
         weight: the last weight (ni, nj); at first that under which the start is equidistributed.
         trouble: why the last minimisation stopped early, or nothing.
         lack: (ni, nj), the logarithm of what was wanted over the weight before, in the last move.
@@ -53,12 +55,18 @@ class Mover:
     backend: str | None
     damping: float
     sides: list[Side]
+    deadline: Deadline = field(default_factory=Deadline)
     weight: Array | None = None
     trouble: str = ""
     lack: Array | None = None
 
     def towards(self, grid: Grid, density: Array, moves: int) -> Grid:
-        """Return the grid after some moves towards the density (ni, nj) at its nodes; interpolated between moves."""
+        """Return the grid after some moves towards the density (ni, nj) at its nodes; interpolated between moves.
+
+        Raises:
+            StopRequest: when the time is over.
+            KeyboardInterrupt: after Ctrl-C.
+        """
         moved, there = self._move(grid, density), None
         for _ in range(moves - 1):
             there = there or grid_field(grid, density)
@@ -81,9 +89,11 @@ class Mover:
             tolerance=_INNER_TOLERANCE,
             max_iterations=_INNER_STEPS,
             progress=False,
+            time_limit=self.deadline.check(),
             backend=self.backend,
         )
         if solved.interrupted:
+            self.deadline.check()
             raise KeyboardInterrupt
         self.trouble = "" if solved.converged else solved.message
         return solved.grid

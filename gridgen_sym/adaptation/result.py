@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ..grids import Grid, Quality, quality
 from ..runtime import Array
+from ..solvers.deadline import Stop
 from .equidistribution import Equidistribution
 
 
@@ -44,7 +45,7 @@ class AdaptResult:
         history: one entry per step, the start first.
         before: spread of s·J and sqrt(s)·J over the cells of the start, s being the last density.
         after: the same over the cells of `grid`.
-        interrupted: whether Ctrl-C stopped it.
+        stopped_by: what ended it early: `Ctrl-C` or `time limit`; None if nothing did.
     """
 
     grid: Grid
@@ -55,7 +56,12 @@ class AdaptResult:
     history: tuple[AdaptStep, ...]
     before: Equidistribution
     after: Equidistribution
-    interrupted: bool = False
+    stopped_by: Stop | None = None
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C or the time limit stopped it."""
+        return self.stopped_by is not None
 
     @property
     def iterations(self) -> int:

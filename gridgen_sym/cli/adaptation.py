@@ -39,6 +39,7 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
 )
 @click.option("-f", "--functional", metavar="NAME", help="What is minimised.  [default: area_winslow]")
 @click.option("--size", type=int, nargs=2, metavar="NI NJ", help="Number of cells along xi and eta.  [default: 40 40]")
+@click.option("--time-limit", type=float, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv or .npz.")
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
 @click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
@@ -78,7 +79,7 @@ def adapt(
         result.grid.write(output)
         say(quiet, f"wrote {output}")
     certify_and_draw(result.grid, plot, f"{Path(input).stem}, adapted", quiet)
-    if result.interrupted:
+    if result.stopped_by == "Ctrl-C":
         raise click.exceptions.Exit(130)
 
 

@@ -46,6 +46,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 )
 @click.option("--tolerance", type=float, help="Factor by which the gradient or the residual must fall.")
 @click.option("--max-iterations", type=int, help="Newton steps, or sweeps.")
+@click.option("--time-limit", type=float, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
 @click.option("--keep-valid/--no-keep-valid", default=None, help="Whether a valid grid may not fold on the way.")
 @click.option("--interior-only", is_flag=True, help="Sum over corners at inner nodes only (newton and local).")
 @click.option("--backend", type=click.Choice(("c", "numpy")), help="Compiled or not.  [default: c if possible]")
@@ -64,7 +65,8 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     """Make a grid from INPUT: a classical domain, an outline or a grid file.
 
     INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), a CSV file with
-    an outline ('# corners: ...'), or a grid file, which is the start. Exits with 1 if the result has folded cells.
+    an outline ('# corners: ...'), or a grid file, which is the start. Exits with 1 if the result has folded cells, and
+    after Ctrl-C, which writes the best grid so far, with 130.
     """
     from gridgen_sym.functionals import functional
 
@@ -82,7 +84,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
         result.grid.write(output)
         say(quiet, f"wrote {output}")
     certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result)
-    if result.interrupted:
+    if result.stopped_by == "Ctrl-C":
         raise click.exceptions.Exit(130)
     if not result.quality.valid:
         raise click.exceptions.Exit(1)
@@ -92,7 +94,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     """Return the solver as a function of the start; what was not given is left to its own defaults."""
     from gridgen_sym.solvers import optimize, solve_euler_lagrange
 
-    given = {key: options[key] for key in ("tolerance", "max_iterations", "keep_valid", "backend")}
+    given = {key: options[key] for key in ("tolerance", "max_iterations", "time_limit", "keep_valid", "backend")}
     given = {key: value for key, value in given.items() if value is not None}
     given["parameters"] = assignments(options["parameters"], f"the functional {name!r}")
     given["weight"] = _weight(options["weight"], options["weight_mode"], options["allow_negative_weight"])

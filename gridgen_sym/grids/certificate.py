@@ -10,7 +10,7 @@ All of this is quick. The search for cells that conflict (`conflict.py`) takes l
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -64,7 +64,9 @@ class Certificate:
         return self.message
 
 
-def certificates(grid: Grid, *, search: bool = False) -> tuple[Certificate, ...]:
+def certificates(
+    grid: Grid, *, search: bool = False, check: Callable[[], object] | None = None
+) -> tuple[Certificate, ...]:
     """Return proofs that the boundary nodes of a grid, which do not move, admit no grid without a folded cell.
 
     The inner nodes do not matter. None for a valid grid; and no certificate is no proof that a valid grid exists.
@@ -74,6 +76,7 @@ def certificates(grid: Grid, *, search: bool = False) -> tuple[Certificate, ...]
         grid: any grid with the boundary in question, such as `transfinite(bottom, top, left, right)`.
         search: where there is no certificate otherwise, search near the folded cells of `grid` for cells that cannot
             all be valid. It takes seconds at most, and finds most on the least folded grid, as `untangle` returns it.
+        check: called before the search; what it raises ends the search.
 
     Raises:
         GridgenError: if `grid` is no Grid.
@@ -81,6 +84,8 @@ def certificates(grid: Grid, *, search: bool = False) -> tuple[Certificate, ...]
     check_grid(grid)
     found = _quick(grid)
     if search and not found:
+        if check is not None:
+            check()
         conflict = find_conflict(grid)
         found = [_conflict(grid, conflict)] if conflict else []
     return tuple(found)

@@ -71,5 +71,10 @@ def check_controls(
         raise GridgenError(f"max_iterations must not be negative; came {max_iterations}")
     if callback is not None and not callable(callback):
         raise GridgenError(f"callback must be a function of one Step; came {callback!r}")
+    check_time_limit(time_limit)
+
+
+def check_time_limit(time_limit: float | None) -> None:
+    """Refuse a time limit that means nothing."""
     if time_limit is not None and not (isinstance(time_limit, (int, float, np.number)) and time_limit > 0):
         raise GridgenError(f"time_limit must be a positive number of seconds; came {time_limit!r}")

@@ -12,17 +12,20 @@ import numpy as np
 
 from ..grids import corner_jacobians
 from ..runtime import Array
+from .deadline import Deadline
 from .equations import Equations
+from .goal import converged_message
 from .linear import LinearSolver, jacobian_solver
-from .problem import converged_message, norm_of, step_control_message
+from .problem import norm_of
 from .progress import Progress
 from .sparse import assemble_jacobian, to_field, to_vector
+from .step_control import StepControl, jacobian_floor
 
 _HALVINGS = 30
 #: Relative residual of the linear solves.
 _FORCING = 1e-3
-#: Steps in a row that are cut short by the guard and lower the norm by less than this factor: it holds the grid back.
-_PATIENCE, _LITTLE = 5, 0.99
+#: A step that lowers the norm by less than this factor leads nowhere.
+_LITTLE = 0.99
 #: Levenberg's damping: where it begins and ends, over the mean diagonal of the normal equations.
 _FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
 
@@ -41,38 +44,34 @@ def solve_by_newton(
     norm = first = norm_of(residual)
     floor = equations.round_off(coordinates)
     solver = jacobian_solver(problem.fixed, problem.kernels.backend)
-    cut = held_back = 0
+    first_smallest = float(corner_jacobians(*coordinates).min())
+    control = StepControl(keep_valid or problem.kernels.barrier, jacobian_floor(first_smallest))
     for iteration in range(limit + 1):
         smallest = equations.remember(coordinates, norm)
         report.step(iteration, float("nan"), norm, smallest)
         if norm <= max(tolerance * first, floor):
-            return True, converged_message("residual", norm, first, iteration) + step_control_message(cut)
-        if iteration == limit or held_back == _PATIENCE:
+            return True, converged_message("residual", norm, first, iteration) + str(control)
+        if iteration == limit or control.holds_back:
             break
-        guard = 0.1 * smallest if smallest > 0 and (problem.kernels.barrier or keep_valid) else -np.inf
-        step, damping, folds = _reduce(equations, solver, coordinates, residual, damping, guard)
+        guard = control.lowest(smallest)
+        step, damping, folds = _reduce(equations, solver, coordinates, residual, damping, guard, report.deadline)
         if step is None:
-            return (
-                False,
-                f"no step lowers the residual's norm further; it is {norm:.2e}, {norm / first:.1e} of its first.",
-            )
+            why = f"no step lowers the residual's norm further; it is {norm:.2e}, {norm / first:.1e} of its first."
+            return False, why
         coordinates += step
         before = norm
         problem.refresh(coordinates)
         residual = equations.residual(coordinates)
         norm = norm_of(residual)
-        cut, held_back = cut + folds, held_back + 1 if folds and norm > _LITTLE * before else 0
-    if held_back == _PATIENCE:
+        control.count(folds, norm <= _LITTLE * before)
+    if control.holds_back:
         return False, (
             f"the solution lies beyond the valid grids: every step towards it would fold a cell. The residual's "
             f"norm is {norm:.2e}, {norm / first:.1e} of its first value. This is the best valid grid; "
             "keep_valid=False lets cells fold."
         )
-    return (
-        False,
-        f"{limit} steps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value."
-        + step_control_message(cut),
-    )
+    why = f"{limit} steps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value."
+    return False, why + str(control)
 
 
 def _reduce(
@@ -82,6 +81,7 @@ def _reduce(
     residual: Array,
     damping: float,
     guard: float,
+    deadline: Deadline,
 ) -> tuple[Array | None, float, bool]:
     """Return a step that lowers the residual's norm (None if there is none), and the damping for the next one.
 
@@ -104,6 +104,7 @@ def _reduce(
     normal, slope = (matrix.T @ matrix).tocsc(), matrix.T @ right
     size = normal.diagonal().mean()
     while damping < _LARGEST_DAMPING:
+        deadline.check()
         from scipy.sparse import identity
 
         direction = to_field(_solve(normal + damping * size * identity(slope.size, format="csc"), slope), fixed)

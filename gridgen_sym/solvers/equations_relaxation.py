@@ -6,7 +6,8 @@ import numpy as np
 
 from ..runtime import Array
 from .equations import Equations
-from .problem import converged_message, norm_of
+from .goal import converged_message
+from .problem import norm_of
 from .progress import Progress
 
 #: How much the residual may grow before a relaxation is called divergent, and the weakest one that is tried.

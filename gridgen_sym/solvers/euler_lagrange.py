@@ -17,6 +17,7 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid, corner_jacobians
 from .checks import check_controls
+from .deadline import Deadline, Stop
 from .equations import Equations
 from .equations_newton import solve_by_newton
 from .equations_relaxation import solve_by_relaxation
@@ -93,7 +94,7 @@ def solve_euler_lagrange(
 
     limit = _LIMITS[method] if max_iterations is None else max_iterations
     title = f"Euler–Lagrange equations of {definition.name}"
-    with Progress(title, callback, progress, time_limit) as report:
+    with Progress(title, callback, progress, Deadline(time_limit)) as report:
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
         equations = Equations(run.problem, spacing)
 
@@ -105,9 +106,9 @@ def solve_euler_lagrange(
                 return solve_by_relaxation(equations, run.coordinates, report, tolerance, limit, relaxation)
             return solve_by_newton(equations, run.coordinates, report, tolerance, limit, keep_valid)
 
-        def result(converged: bool, message: str, interrupted: bool) -> Result:
+        def result(converged: bool, message: str, stopped_by: Stop | None) -> Result:
             converged, message = _choose(run, equations, converged, message, keep_valid)
-            return run.result(converged, message, interrupted)
+            return run.result(converged, message, stopped_by)
 
         return run_to_result(solve, result, report)
 

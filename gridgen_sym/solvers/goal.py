@@ -54,6 +54,13 @@ class Goal:
         return point.norm <= self.norm
 
 
+def converged_message(what: str, norm: float, first: float, iteration: int) -> str:
+    """Return why a solver stopped that has done what was asked; `what` is `gradient` or `residual`."""
+    if iteration == 0:
+        return f"the start is a solution already: the {what}'s norm is {norm:.2e}."
+    return f"the {what}'s norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+
+
 def _is_steep(point: Point) -> bool:
     """Return whether a grid is all but folded, before a barrier."""
     return point.problem.kernels.barrier and point.smallest < _ALL_BUT_FOLDED * mean_jacobian(point.coordinates)

@@ -81,7 +81,7 @@ class Fold:
         radius, smallest = _RADIUS, float(self._jacobians(self.place).min())
         seen = [smallest]
         while smallest <= 0 and radius > _SMALLEST:
-            step = self._program(radius)
+            step = self._program(radius, min(_SECONDS, progress.deadline.check()))
             length = 1.0
             while step is not None and length > _SHRINK:
                 reached = float(self._jacobians(self.place + length * step).min())
@@ -111,7 +111,7 @@ class Fold:
         one, two = b - a, c - b
         return np.asarray(one[0] * two[1] - one[1] * two[0])
 
-    def _program(self, radius: float) -> Array | None:
+    def _program(self, radius: float, seconds: float) -> Array | None:
         """Return the step (2, free nodes) that lifts the linearised Jacobians most, or None where none is found."""
         from scipy.optimize import linprog
         from scipy.sparse import coo_array
@@ -137,6 +137,6 @@ class Fold:
             b_ub=jacobians,
             bounds=[(-radius, radius)] * (2 * count) + [(None, 1.0)],
             method="highs",
-            options={"time_limit": _SECONDS},
+            options={"time_limit": seconds},
         )
         return found.x[:-1].reshape(2, count) * self.extent[:, None] if found.status == 0 else None

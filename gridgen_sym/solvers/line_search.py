@@ -23,6 +23,7 @@ class LineSearch:
         lowest: the Jacobian that no corner may fall to.
         trial: (2, ni, nj), where trial grids are put.
         length: of the accepted step; 1 is the whole Newton step. Negative where it leads against its direction.
+        energy: of the grid at the accepted length.
         folds: whether a longer step was refused because it would have folded a cell.
     """
 
@@ -30,6 +31,7 @@ class LineSearch:
     lowest: float
     trial: Array
     length: float = 0.0
+    energy: float = float("nan")
     folds: bool = False
 
     def along(self, direction: Array) -> bool:
@@ -38,8 +40,8 @@ class LineSearch:
         round_off = _noise(self.point.energy)
         self.length, self.folds = 1.0, False
         for _ in range(_HALVINGS):
-            energy, smallest = self._energy_at(direction, self.length)
-            lower = energy <= self.point.energy + _SUFFICIENT * self.length * slope + round_off
+            self.energy, smallest = self._energy_at(direction, self.length)
+            lower = self.energy <= self.point.energy + _SUFFICIENT * self.length * slope + round_off
             if lower and smallest > self.lowest:
                 return True
             self.folds |= bool(lower)
@@ -58,7 +60,7 @@ class LineSearch:
         for _ in range(_HALVINGS):
             energy, smallest = self._energy_at(direction, length)
             if energy < least and smallest > self.lowest:
-                self.length, least = length, energy
+                self.length, self.energy, least = length, energy, energy
             elif self.length:
                 break
             length *= 0.5

@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..runtime import Array, Mask
-from .goal import Goal
+from .goal import Goal, converged_message
 from .point import Point
-from .problem import Problem, converged_message, jacobian_floor
+from .problem import Problem
 from .progress import Progress
+from .step_control import jacobian_floor
 
 COLORS = 4
 

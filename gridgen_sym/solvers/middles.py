@@ -41,6 +41,7 @@ def unfold_from_middles(problem: Problem, coordinates: Array, progress: Progress
             ends = tuple((int(where.min()) - 1, int(where.max()) + 2) for where in np.nonzero(free))
             if ends not in tried and free.sum() <= MOST_NODES:
                 tried.add(ends)
+                progress.deadline.check()
                 _unfold_window(problem, coordinates, (slice(*ends[0]), slice(*ends[1])), progress)
     return problem.folds(coordinates).cells == 0
 

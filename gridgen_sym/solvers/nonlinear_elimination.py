@@ -15,9 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ..runtime import Array
+from .deadline import Deadline
 from .local import sweep
 from .point import Point
-from .problem import Problem, jacobian_floor
+from .problem import Problem
+from .step_control import jacobian_floor
 from .windows import cut_out, windows
 
 #: Nodes stand out whose gradient's square is so many times the mean: in the sweeps, and for a window.
@@ -32,17 +34,19 @@ _LAYERS, _HELD = 6, 0.9
 _SMALLEST = 4096
 
 
-def eliminate(point: Point, minimize: Callable[[Problem, Array], None]) -> None:
+def eliminate(point: Point, minimize: Callable[[Problem, Array, Deadline], None], deadline: Deadline) -> None:
     """Lower the energy where the gradient is large: by sweeps, as long as these pay, and in windows round what remains.
 
     Args:
         point: the grid, changed in place; a valid one stays valid.
-        minimize: minimises a problem from given coordinates on, in place.
+        minimize: minimises a problem from given coordinates on, in place, up to a deadline.
+        deadline: of the run.
     """
-    sweep_standing_out(point)
+    sweep_standing_out(point, deadline)
     problem, coordinates = point.problem, point.coordinates
-    # What a weight, or which corners are counted, depends on the whole grid.
-    if problem.weight is not None or problem.interior_only or coordinates[0].size < _SMALLEST:
+    # A weight of places changes with the grid, and which corners are counted depends on where its sides are.
+    of_places = problem.weight is not None and not problem.weight.per_node
+    if of_places or problem.interior_only or coordinates[0].size < _SMALLEST:
         return
     squares = _squares(point.gradient)
     standing = _standing_out(squares, _CUT_OUT)
@@ -51,15 +55,18 @@ def eliminate(point: Point, minimize: Callable[[Problem, Array], None]) -> None:
         return
     for part in parts:
         inside, place = cut_out(problem, coordinates, part)
-        minimize(inside, place)
-        coordinates[:, *part] = place
+        try:
+            minimize(inside, place, deadline)
+        finally:
+            coordinates[:, *part] = place
     point.evaluate()
 
 
-def sweep_standing_out(point: Point, *, until_valid: bool = False) -> None:
+def sweep_standing_out(point: Point, deadline: Deadline, *, until_valid: bool = False) -> None:
     """Sweep over the nodes that stand out, in place, as long as that pays, or up to the first valid grid."""
     last, reach = np.inf, 1e3 * float(np.ptp(point.coordinates))
     while point.norm < _WORTH_WHILE * last and not (until_valid and point.smallest > 0):
+        deadline.check()
         standing = _standing_out(_squares(point.gradient), _SWEPT)
         if standing is None:
             break

@@ -11,6 +11,7 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional, functional
 from ..grids import Grid
 from .checks import check_controls
+from .deadline import Deadline
 from .local import sweep_until_converged
 from .newton import minimize
 from .problem import Problem, make_problem, norm_of
@@ -63,7 +64,7 @@ def optimize(
         interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners.
         callback: called with every `Step`. StopIteration ends the run, which returns the best grid; any other error
             is raised as it is, with the best grid's result as its attribute `result`.
-        time_limit: seconds after which the next step ends the run, which returns the best grid.
+        time_limit: seconds after which the run ends, as soon as a step lets it, and returns the best grid.
         progress: show progress on standard error; by default where that is a terminal.
         backend: `c` or `numpy`.
 
@@ -90,7 +91,7 @@ def optimize(
         )
 
     limit = _LIMITS[method] if max_iterations is None else max_iterations
-    with Progress(f"{definition.name}, {method}", callback, progress, time_limit) as report:
+    with Progress(f"{definition.name}, {method}", callback, progress, Deadline(time_limit)) as report:
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
 
         def solve() -> tuple[bool, str]:
@@ -162,7 +163,7 @@ def untangle(
     problem = make(grid, fixed)
     if not problem.kernels.barrier:
         raise GridgenError(f"untangling needs a functional with a barrier at J = 0, such as winslow; {name!r} has none")
-    with Progress(f"{definition.name}, untangle", callback, progress, time_limit) as report:
+    with Progress(f"{definition.name}, untangle", callback, progress, Deadline(time_limit)) as report:
         run = Run(problem, make, definition, parameters, grid.planes.copy(), report)
 
         def solve() -> tuple[bool, str]:

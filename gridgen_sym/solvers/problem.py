@@ -157,31 +157,6 @@ def norm_of(field: Array) -> float:
     return float(np.sqrt(inner(field, field)))
 
 
-def converged_message(what: str, norm: float, first: float, iteration: int) -> str:
-    """Return why a solver stopped that has done what was asked; `what` is `gradient` or `residual`."""
-    if iteration == 0:
-        return f"the start is a solution already: the {what}'s norm is {norm:.2e}."
-    return f"the {what}'s norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
-
-
-def step_control_message(cut: int) -> str:
-    """Return what to say of steps that were cut short so that no cell folds; nothing where there were none."""
-    return f" {cut} step{'s were' if cut > 1 else ' was'} cut short so that no cell folds." if cut else ""
-
-
-def diverges(step: Array, extent: float) -> bool:
-    """Return whether a step leaves the domain, whose size is `extent`, for good."""
-    return not max(float(step.max()), -float(step.min())) < 1e3 * extent
-
-
-def jacobian_floor(smallest: float) -> float:
-    """Return the Jacobian below which no step may take a corner of a grid whose smallest one is `smallest`.
-
-    Not quite zero, so that another order of rounding cannot make a cell folded that was just valid.
-    """
-    return 1e-6 * max(smallest, 0.0)
-
-
 def make_problem(
     grid: Grid,
     name: str | Functional,

@@ -4,25 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from .deadline import Deadline, StopRequest
 from .live import LiveLine
 from .result import Step
 
 Callback = Callable[[Step], None]
 
 
-class StopRequest(Exception):  # noqa: N818 - nothing went wrong
-    """Ends a solver that the callback or the time limit stops; its text says which."""
-
-
 class Progress(LiveLine):
-    """Collects the history, and shows it step by step."""
+    """Collects the history, and shows it step by step.
+
+    Attributes:
+        history: the steps of the last stage.
+        deadline: of the run; whoever works for long between two steps asks it.
+        callback_error: what the user's callback has raised, if anything.
+    """
 
     def __init__(
         self,
         title: str,
         callback: Callback | None = None,
         show: bool | None = None,
-        time_limit: float | None = None,
+        deadline: Deadline | None = None,
     ) -> None:
         """Begin.
 
@@ -30,13 +33,13 @@ class Progress(LiveLine):
             title: what is being done.
             callback: called with every `Step`; may raise StopIteration to end the solver.
             show: show progress on standard error; by default, if that is a terminal.
-            time_limit: seconds after which the next step ends the solver.
+            deadline: when the solver must end; never by default.
         """
         super().__init__(title, show)
         self.history: list[Step] = []
         self._stage, self._shape = "start", (0, 0)
         self.callback_error: Exception | None = None
-        self._callback, self._limit = callback, time_limit
+        self._callback, self.deadline = callback, deadline or Deadline()
 
     def begin(self, stage: str, shape: tuple[int, int]) -> None:
         """Begin a stage on a grid of a shape; the history is that of the last stage."""
@@ -58,8 +61,7 @@ class Progress(LiveLine):
             f"{step.stage} {step.shape[0]} x {step.shape[1]}, iteration {step.iteration}, energy {step.energy:.6g}, "
             f"gradient {step.gradient_norm:.2e}, smallest J {step.min_jacobian:.2e}"
         )
-        if self._limit is not None and self.seconds > self._limit:
-            raise StopRequest(f"the time limit of {self._limit:g} seconds is over")
+        self.deadline.check()
 
     def _call(self, step: Step) -> None:
         if self._callback is None:
@@ -67,7 +69,7 @@ class Progress(LiveLine):
         try:
             self._callback(step)
         except StopIteration:
-            raise StopRequest("the callback stopped it") from None
+            raise StopRequest("callback", "the callback stopped it") from None
         except Exception as error:
             self.callback_error = error
             raise

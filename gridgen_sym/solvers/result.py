@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..grids import Certificate, Grid, Quality, quality
+from .deadline import Stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class Result:
         iterations: sweeps or Newton steps.
         energy: discrete energy of `grid`, over all corners of all cells (or the paper's set, where that was asked for).
         history: one entry per iteration of the last stage.
-        interrupted: whether Ctrl-C, the time limit or the callback stopped it.
+        stopped_by: what ended it early: `Ctrl-C`, `time limit` or `callback`; None if nothing did.
         certificates: the proofs that no valid grid has this boundary; none for a valid grid. Where untangling ended
             with folds, these are those of a search, too: `certificates(grid, search=True)`.
     """
@@ -50,8 +51,13 @@ class Result:
     iterations: int
     energy: float
     history: tuple[Step, ...]
-    interrupted: bool = False
+    stopped_by: Stop | None = None
     certificates: tuple[Certificate, ...] = ()
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C, the time limit or the callback stopped it."""
+        return self.stopped_by is not None
 
     @property
     def quality(self) -> Quality:

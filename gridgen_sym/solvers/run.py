@@ -10,6 +10,7 @@ from ..grids import Certificate, Grid, certificates, corner_jacobians, quality
 from ..grids.grid import boundary_indices
 from ..grids.predicates import area_sign
 from ..runtime import Array
+from .deadline import Stop
 from .lift import lift
 from .middles import unfold_from_middles
 from .nested import Nested, worth_nesting
@@ -33,7 +34,7 @@ class Run:
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
         said: what to say before the solver's own message.
-        proofs: that no valid grid has this boundary, where untangling could not find one; None where there are none.
+        proofs: that no valid grid has this boundary, where untangling could not find one; None as long as it might.
     """
 
     problem: Problem
@@ -80,7 +81,7 @@ class Run:
         else:
             better = new_energy < energy
         if better:
-            self.said = UNTANGLED if barrier and not smallest > 0 else ""
+            self.said = UNTANGLED if barrier and new_smallest > 0 and not smallest > 0 else ""
             self.coordinates = start
         else:
             self.problem.refresh(self.coordinates)
@@ -91,15 +92,29 @@ class Run:
             return True
         if self._encloses_nothing:
             return False
-        self.said = UNTANGLED
         self.report.begin("untangle", self.problem.fixed.shape)
         valid = unfold(self.problem, self.functional, self.coordinates, self.parameters, self.report)
-        valid = valid or lift(self.coordinates, self.problem.fixed, self.report)
-        if not valid:
-            self.proofs = certificates(Grid.from_planes(*self.coordinates), search=True) or None
-            valid = self.proofs is None and unfold_from_middles(self.problem, self.coordinates, self.report)
+        valid = valid or lift(self.coordinates, self.problem.fixed, self.report) or self._lift_or_prove()
         self.problem.refresh(self.coordinates)
+        self.said = UNTANGLED if valid else ""
         return valid
+
+    def _lift_or_prove(self) -> bool:
+        """Lift what is folded from the middles of places, unless a proof says that this is in vain; return if valid."""
+        proofs = self._search()
+        if not proofs:
+            before = self.problem.folds(self.coordinates)
+            if unfold_from_middles(self.problem, self.coordinates, self.report):
+                return True
+            if self.problem.folds(self.coordinates) < before:  # Which tells the search better where to look.
+                proofs = self._search()
+        self.proofs = proofs
+        return False
+
+    def _search(self) -> tuple[Certificate, ...]:
+        """Search for proofs that no valid grid has this boundary."""
+        self.report.display("searching for a proof that there is no valid grid")
+        return certificates(Grid.from_planes(*self.coordinates), search=True, check=self.report.deadline.check)
 
     @property
     def _encloses_nothing(self) -> bool:
@@ -109,16 +124,15 @@ class Run:
 
     def could_not_unfold(self) -> str:
         """Return what to tell the user about a grid that stayed folded."""
-        self.said = ""
-        grid = Grid.from_planes(*self.coordinates)
         told = "this is the start."
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
-        self.proofs = self.proofs or certificates(grid, search=True)
+        if self.proofs is None:
+            self.proofs = certificates(Grid.from_planes(*self.coordinates))
         proofs = _proofs_text(self.proofs) or "No proof was found that there is no valid grid."
-        return f"{told} {quality(grid).describe_folds()}\n{proofs}"
+        return f"{told} {quality(Grid.from_planes(*self.coordinates)).describe_folds()}\n{proofs}"
 
-    def result(self, converged: bool, message: str, interrupted: bool) -> Result:
+    def result(self, converged: bool, message: str, stopped_by: Stop | None) -> Result:
         """Return what the run has found, with what must be said of folded cells and of the weight."""
         self.problem.refresh(self.coordinates)
         energy, smallest = self.problem.energy(self.coordinates)
@@ -137,7 +151,7 @@ class Run:
             iterations=max(len(self.report.history) - 1, 0),
             energy=energy,
             history=tuple(self.report.history),
-            interrupted=interrupted,
+            stopped_by=stopped_by,
             certificates=proofs,
         )
 

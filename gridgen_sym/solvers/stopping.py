@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .progress import Progress, StopRequest
+from .deadline import Stop, StopRequest
+from .progress import Progress
 from .result import Result
 
 
 def run_to_result(
-    solve: Callable[[], tuple[bool, str]], result: Callable[[bool, str, bool], Result], report: Progress
+    solve: Callable[[], tuple[bool, str]], result: Callable[[bool, str, Stop | None], Result], report: Progress
 ) -> Result:
     """Run a solver to its end, or to what ends it early, and return what it has by then.
 
     Args:
         solve: returns whether it converged, and why it stopped; keeps the best grid whatever ends it.
-        result: makes the result of these two, and of whether the run was interrupted.
+        result: makes the result of these two, and of what has ended the run early.
         report: of the run.
 
     Raises:
@@ -24,12 +25,13 @@ def run_to_result(
     try:
         converged, message = solve()
     except StopRequest as stop:
-        return result(False, f"{stop}; this is the best grid that it had.", True)
+        return result(False, f"{stop}; this is the best grid that it had.", stop.by)
     except KeyboardInterrupt:
-        return result(False, "it was interrupted; this is the best grid that it had.", True)
+        return result(False, "it was interrupted; this is the best grid that it had.", "Ctrl-C")
     except Exception as error:
         if report.callback_error is error:
-            error.result = result(False, "the callback raised an error; this is the best grid.", True)  # type: ignore[attr-defined]
+            best = result(False, "the callback raised an error; this is the best grid.", "callback")
+            error.result = best  # type: ignore[attr-defined]
             error.add_note("The callback of a solver raised this; its attribute 'result' holds the best grid so far.")
         raise
-    return result(converged, message, False)
+    return result(converged, message, None)

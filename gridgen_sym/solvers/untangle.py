@@ -114,7 +114,7 @@ class _Search:
         def lower(regular: Problem, place: Array) -> None:
             point = Point(regular, place)
             self.progress.step(0, point.energy, point.norm, point.smallest)
-            sweep_standing_out(point, until_valid=True)
+            sweep_standing_out(point, self.progress.deadline, until_valid=True)
 
         if self.least.folds.cells < _FEW * self.problem.fixed.size:
             self._follow(start, next(frames(start)), lower)

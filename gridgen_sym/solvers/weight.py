@@ -101,6 +101,11 @@ class Weight:
         of_place = isinstance(source, str) or callable(source) or is_expression(source)
         return not of_place and _real(source).ndim > 0
 
+    @property
+    def lags(self) -> bool:
+        """Whether it is held while the nodes move, and another where they come to."""
+        return self.mode == "frozen" and not self.per_node
+
     def planes(self, coordinates: Array, names: tuple[str, ...]) -> Array:
         """Return the weight at the nodes, and those of its derivatives that `names` lists, each (ni, nj).
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import count
+
 import numpy as np
 import pytest
 from solvers.conftest import farthest, hopeless_grid
@@ -334,6 +336,51 @@ def test_ctrl_c_gives_the_last_grid_whose_solution_is_known():
     assert not result.converged
     assert result.grid == calls[2]
     assert "interrupted" in result.message
+    assert result.stopped_by == "Ctrl-C"
+
+
+def test_ctrl_c_in_an_untangling_goes_on_to_the_user(monkeypatch):
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    xy = square(9).xy
+    xy[5, 5], xy[6, 5] = xy[6, 5].copy(), xy[5, 5].copy()
+    monkeypatch.setattr("gridgen_sym.solvers.run.unfold", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        gg.adapt(gg.Grid(xy), ring)
+
+
+def test_the_time_limit_gives_the_last_grid_whose_solution_is_known(monkeypatch):
+    start, solved, now = square(17), [], [0.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+
+    def solve(grid):
+        solved.append(grid)
+        now[0] += 1.0
+        return ring(grid.x, grid.y)
+
+    result = gg.adapt(start, solve, time_limit=2.5)
+    assert result.stopped_by == "time limit"
+    assert result.interrupted
+    assert not result.converged
+    assert result.message.startswith("the time limit of 2.5 seconds is over; this is the last grid whose solution")
+    assert (len(solved), result.grid) == (3, solved[-1])
+
+
+def test_the_time_limit_ends_a_minimisation_of_an_adaptation(monkeypatch):
+    start = square(17)
+    monkeypatch.setattr("time.monotonic", count(0.0, 0.01).__next__)
+    assert gg.adapt(start, ring, time_limit=1e9).stopped_by is None
+    result = gg.adapt(start, ring, time_limit=0.035)
+    assert result.stopped_by == "time limit"
+    assert result.grid == start
+
+
+def test_a_folded_start_that_cannot_be_untangled_in_time_is_refused():
+    xy = square(9).xy
+    xy[5, 5], xy[6, 5] = xy[6, 5].copy(), xy[5, 5].copy()
+    with pytest.raises(gg.GridgenError, match=r"needs a valid start.* time limit of 1e-09 seconds is over"):
+        gg.adapt(gg.Grid(xy), ring, time_limit=1e-9)
 
 
 # ---- refusals ----
@@ -346,6 +393,7 @@ def test_ctrl_c_gives_the_last_grid_whose_solution_is_known():
         ({"moves": 0}, "moves must be a whole number, at least 1; came 0"),
         ({"damping": 0}, "damping must be a number above 0 and at most 1; came 0"),
         ({"tolerance": 2}, "tolerance must be a number above 0"),
+        ({"time_limit": 0}, "time_limit must be a positive number of seconds; came 0"),
         ({"callback": 3}, "callback must be a function of one AdaptStep; came 3"),
         ({"boundary": "open"}, "unknown boundary 'open': it is one of fixed, straight, all"),
         ({"functional": "areas"}, "Did you mean 'area'"),

@@ -7,10 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from gridgen_sym.solvers.deadline import Deadline
 from gridgen_sym.solvers.goal import Goal
 from gridgen_sym.solvers.line_search import LineSearch
-from gridgen_sym.solvers.newton import _Newton
+from gridgen_sym.solvers.newton_steps import NewtonSteps
 from gridgen_sym.solvers.point import Point
+from gridgen_sym.solvers.step_control import StepControl, diverges, jacobian_floor
 
 
 class OneNumber:
@@ -93,8 +95,47 @@ def test_a_direction_of_negative_curvature_is_followed_downhill(sign):
     assert away.length * sign == -2.0
 
 
+def test_the_energy_of_the_accepted_step_is_known():
+    along = search(PARABOLA, 1.0)
+    assert along.along(direction(-8.0))
+    assert along.energy == 0.0
+    hill = search(OneNumber(lambda x: (x * x - 4) ** 2, lambda x: 4 * x * (x * x - 4)), 0.0)
+    assert hill.away(direction(1.0))
+    assert (abs(hill.length), hill.energy) == (2.0, 0.0)
+
+
+def test_only_cut_steps_that_lead_nowhere_in_a_row_hold_back():
+    control = StepControl(True, 0.0)
+    for cut, progress, in_vain in ((1, 0, 1), (1, 0, 2), (1, 1, 0), (1, 0, 1), (0, 0, 0), (1, 0, 1)):
+        control.count(bool(cut), bool(progress))
+        assert control.in_vain == in_vain
+    assert str(control) == " 5 steps were cut short so that no cell folds."
+    assert not control.holds_back
+    for _ in range(4):
+        control.count(True, False)
+    assert control.holds_back
+    assert str(StepControl(True, 0.0)) == ""
+
+
+def test_how_far_a_step_may_take_the_smallest_jacobian():
+    control = StepControl(True, 1e-3)
+    assert control.lowest(5.0) == 0.5
+    assert control.lowest(2e-3) == 1e-3
+    for free in (control.lowest(0.0), control.lowest(-1.0), StepControl(False, 1e-3).lowest(5.0)):
+        assert free == -np.inf
+    assert (jacobian_floor(2.0), jacobian_floor(-2.0)) == (2e-6, 0.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_step_far_beyond_the_domain_diverges(sign):
+    step = np.zeros((2, 3, 3))
+    for far, too_far in ((999.0, False), (1001.0, True), (np.nan, True)):
+        step[1, 1, 1] = sign * far
+        assert diverges(step, 1.0) == too_far
+
+
 def newton(forcing=0.1):
-    return _Newton(PARABOLA, None, only_semidefinite=False, forcing=forcing)
+    return NewtonSteps(PARABOLA, None, Deadline(), only_semidefinite=False, forcing=forcing)
 
 
 def taken(length, folds=False):

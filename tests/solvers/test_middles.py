@@ -8,10 +8,11 @@ from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
 from gridgen_sym.grids import corner_jacobians
+from gridgen_sym.solvers.deadline import StopRequest
 from gridgen_sym.solvers.frame import stretched_frames
 from gridgen_sym.solvers.middles import unfold_from_middles
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.progress import Progress, StopRequest
+from gridgen_sym.solvers.progress import Progress
 
 from .conftest import BARRIER, edges
 

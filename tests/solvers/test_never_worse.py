@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.line_search import LineSearch
+from gridgen_sym.solvers.point import Point
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.prolongation import finer_start, from_boundary
 from gridgen_sym.solvers.untangle import Folds
@@ -53,6 +55,35 @@ def test_steps_that_were_cut_are_counted():
     assert "cut short" not in gg.optimize(gg.domain("wavy", 9, 9), "length").message
 
 
+def test_a_weight_that_raises_the_energy_after_each_step_does_not_hide_its_progress(monkeypatch):
+    """Steps that a barrier cuts are progress as long as they lower the energy with the weight that they have seen."""
+    rises = count()
+
+    def evaluate(self, evaluate=Point.evaluate):
+        evaluate(self)
+        self.energy += 10.0 ** next(rises)
+
+    def cut(self, direction, along=LineSearch.along):
+        found, self.folds = along(self, direction), True
+        return found
+
+    monkeypatch.setattr(Point, "evaluate", evaluate)
+    monkeypatch.setattr(LineSearch, "along", cut)
+    result = gg.optimize(disordered(gg.domain("chevron", 13, 13), 0.3), "winslow", tolerance=1e-14)
+    assert "lies beyond" not in result.message
+    assert result.iterations > 5
+
+
+def test_a_weight_that_never_lets_the_grid_settle_is_named():
+    random = np.random.default_rng(0)
+    start = disordered(gg.domain("square", 13, 13), 0.3)
+    result = gg.optimize(start, "length", weight=lambda x, y: 1 + 5 * random.random() * x)
+    assert not result.converged
+    assert result.quality.valid
+    assert "does not settle" in result.message
+    assert 50 <= result.iterations < 1000
+
+
 @each_solver
 @pytest.mark.parametrize("name", ["winslow", "length"])
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, StopIteration])
@@ -65,6 +96,7 @@ def test_whatever_stops_a_run_leaves_a_valid_grid(solve, name, stop):
 
     result = solve(start, name, callback=callback)
     assert result.interrupted
+    assert result.stopped_by == ("callback" if stop is StopIteration else "Ctrl-C")
     assert not result.converged
     assert result.quality.valid
     assert ("callback stopped it" if stop is StopIteration else "interrupted") in result.message
@@ -90,7 +122,7 @@ def test_an_error_in_a_callback_does_not_lose_the_grid(solve, name):
 def test_the_time_limit_ends_a_run_with_its_best_grid(solve):
     start = gg.domain("swan", 17, 17)
     result = solve(start, "winslow", time_limit=1e-9)
-    assert result.interrupted
+    assert result.stopped_by == "time limit"
     assert "time limit of 1e-09 seconds" in result.message
     assert result.quality.folded_cells <= gg.quality(start).folded_cells
 

@@ -7,6 +7,7 @@ import pytest
 
 import gridgen_sym as gg
 from gridgen_sym.solvers import newton
+from gridgen_sym.solvers.deadline import Deadline
 from gridgen_sym.solvers.newton import minimize
 from gridgen_sym.solvers.nonlinear_elimination import eliminate, sweep_standing_out
 from gridgen_sym.solvers.point import Point
@@ -32,7 +33,7 @@ def squeezed(name, *, folded=False):
 
 
 def window_solver(seen):
-    def solve(part: Problem, place):
+    def solve(part: Problem, place, deadline):
         seen.append(place.shape[1:])
         minimize(part, place, Progress("window", show=False), tolerance=0.1, max_iterations=40, keep_valid=True)
 
@@ -48,7 +49,7 @@ def test_elimination_calms_a_bad_place_and_leaves_most_of_the_grid_alone(name):
     place, seen = squeezed(name), []
     point, before = point_of(place.copy(), name), squeezed(name)
     norm, smallest, energy = point.norm, point.smallest, point.energy
-    eliminate(point, window_solver(seen))
+    eliminate(point, window_solver(seen), Deadline())
     assert point.norm < 1e-3 * norm
     assert point.smallest > 10 * smallest
     assert point.energy < energy
@@ -65,7 +66,7 @@ def test_fixed_nodes_stay():
     fixed = np.zeros((SIZE, SIZE), dtype=bool)
     fixed[1, 29] = fixed[2, 31] = True
     point = point_of(place.copy(), fixed=fixed)
-    eliminate(point, window_solver([]))
+    eliminate(point, window_solver([]), Deadline())
     assert np.array_equal(point.coordinates[:, fixed], place[:, fixed])
     assert not np.array_equal(point.coordinates[:, 1, 30], place[:, 1, 30])
 
@@ -81,7 +82,7 @@ def test_windows_are_small_and_cut_out_where_sweeps_are_not_enough():
     seen = []
     point = point_of(stretched())
     assert point.smallest > 0
-    eliminate(point, window_solver(seen))
+    eliminate(point, window_solver(seen), Deadline())
     assert seen
     assert all(ni * nj <= SIZE**2 / 4 for ni, nj in seen)
 
@@ -92,16 +93,44 @@ def test_no_window_is_cut_out_of_what_hangs_together(options):
     seen = []
     point = point_of(stretched(), **options)
     norm = point.norm
-    eliminate(point, window_solver(seen))
+    eliminate(point, window_solver(seen), Deadline())
     assert not seen
     assert point.norm < norm
+
+
+def test_windows_of_a_grid_with_a_weight_at_every_node_have_the_weight_of_theirs():
+    """Inside the window everything is as in the whole grid: the gradient, and so what lowers the energy."""
+    weight, parts = np.random.default_rng(0).uniform(0.99, 1.01, (SIZE, SIZE)), []
+
+    def solve(part, place, deadline):
+        inside = Point(part, place.copy()).gradient
+        first = next(
+            (i, j)
+            for i in range(SIZE - place.shape[1] + 1)
+            for j in range(SIZE - place.shape[2] + 1)
+            if np.array_equal(before[:, i : i + place.shape[1], j : j + place.shape[2]], place)
+        )
+        window = tuple(slice(k, k + count) for k, count in zip(first, place.shape[1:], strict=True))
+        parts.append((inside, whole.gradient[:, *window]))
+        window_solver([])(part, place, deadline)
+
+    swept = point_of(stretched(), weight=weight)
+    eliminate(swept, lambda *_: None, Deadline())
+    before, whole = swept.coordinates.copy(), point_of(swept.coordinates.copy(), weight=weight)
+    point = point_of(stretched(), weight=weight)
+    eliminate(point, solve, Deadline())
+    assert parts
+    for inside, outside in parts:
+        np.testing.assert_allclose(inside[:, 1:-1, 1:-1], outside[:, 1:-1, 1:-1], rtol=1e-10, atol=1e-9)
+    assert point.energy < swept.energy
+    assert point.smallest > 0
 
 
 def test_a_smooth_grid_is_left_alone():
     place = gg.domain("wavy", SIZE, SIZE).planes.copy()
     point = point_of(place.copy())
     point.gradient[...] = 1.0  # Nothing stands out.
-    sweep_standing_out(point)
+    sweep_standing_out(point, Deadline())
     assert np.array_equal(point.coordinates, place)
 
 
@@ -118,7 +147,7 @@ def test_newton_takes_fewer_steps_with_it(name, monkeypatch):
         return len(report.history), place
 
     few, place = steps()
-    monkeypatch.setattr(newton, "eliminate", lambda point, minimize: None)
+    monkeypatch.setattr(newton, "eliminate", lambda point, minimize, deadline: None)
     many, same = steps()
     assert few < 0.6 * many
     np.testing.assert_allclose(place, same, atol=1e-6)
@@ -126,7 +155,7 @@ def test_newton_takes_fewer_steps_with_it(name, monkeypatch):
 
 def test_it_comes_before_the_first_step(monkeypatch):
     start, called = gg.Grid.from_planes(*squeezed("winslow")), []
-    monkeypatch.setattr(newton, "eliminate", lambda point, minimize: called.append(point.norm))
+    monkeypatch.setattr(newton, "eliminate", lambda point, minimize, deadline: called.append(point.norm))
     result = gg.optimize(start, "winslow", max_iterations=1)
     assert called == [result.history[0].gradient_norm]
 
@@ -139,7 +168,7 @@ def test_an_almost_folded_start_does_not_pass_for_a_measure(name, eliminates, mo
     least = make_problem(gg.Grid.from_planes(*place), name).energy(place)[0]
     place[:, 1, 30] += (1 - 1e-10) * (place[:, 2, 30] - place[:, 1, 30])
     if not eliminates:
-        monkeypatch.setattr(newton, "eliminate", lambda point, minimize: None)
+        monkeypatch.setattr(newton, "eliminate", lambda point, minimize, deadline: None)
     result = gg.optimize(gg.Grid.from_planes(*place), name)
     assert result.converged
     assert result.energy == pytest.approx(least, rel=1e-9)

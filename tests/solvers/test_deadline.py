@@ -1,0 +1,138 @@
+"""A time limit ends a run soon, whatever it is at: a deadline is asked before all that may take long."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
+
+import gridgen_sym as gg
+from gridgen_sym.solvers import equations_newton, lift
+from gridgen_sym.solvers.deadline import Deadline, StopRequest
+from gridgen_sym.solvers.equations import Equations
+from gridgen_sym.solvers.newton import _minimize_window
+from gridgen_sym.solvers.newton_steps import NewtonSteps
+from gridgen_sym.solvers.nonlinear_elimination import eliminate
+from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.progress import Progress
+
+from .test_nonlinear_elimination import point_of, stretched
+
+
+class Ends(Deadline):
+    """A time that is over when it has been asked for so often."""
+
+    def __init__(self, after):
+        super().__init__(3600.0)
+        self.asked, self.after = 0, after
+
+    def check(self):
+        self.asked += 1
+        if self.asked > self.after:
+            raise StopRequest("time limit", "the time is over")
+        return super().check()
+
+
+def test_a_deadline_comes_once_the_seconds_are_over(monkeypatch):
+    monkeypatch.setattr("time.monotonic", lambda: 100.0)
+    some, never = Deadline(2.0), Deadline()
+    monkeypatch.setattr("time.monotonic", lambda: 101.5)
+    assert (some.check(), never.check()) == (0.5, np.inf)
+    for now in (102.0, 103.0):
+        monkeypatch.setattr("time.monotonic", lambda now=now: now)
+        assert never.check() == np.inf
+        with pytest.raises(StopRequest, match="the time limit of 2 seconds is over"):
+            some.check()
+
+
+RUNS = {
+    "a band that is lifted from middles": (gg.untangle, grid_of_ring(flat_polygon(20304, 26, 3e-2), 8, 7)),
+    "a bay without a valid grid": (gg.untangle, grid_of_ring(smooth_curve(906, 20, 0.6), 7, 5)),
+    "a folded start": (gg.optimize, gg.domain("zee", 33, 33)),
+    "a folded start, equations": (gg.solve_euler_lagrange, gg.domain("zee", 33, 33)),
+    "windows": (gg.optimize, gg.Grid.from_planes(*stretched())),
+}
+
+
+@pytest.mark.parametrize(("solve", "start"), RUNS.values(), ids=RUNS)
+def test_whenever_the_time_is_over_the_best_grid_so_far_is_returned(solve, start, monkeypatch):
+    def run(after):
+        made.append(Ends(after))
+        return solve(start, "winslow")
+
+    made = []
+    for module in ("optimize", "euler_lagrange"):
+        monkeypatch.setattr(import_module(f"gridgen_sym.solvers.{module}"), "Deadline", lambda seconds: made[-1])
+    whole = run(10**9)
+    assert not whole.interrupted
+    last = np.inf
+    for after in np.linspace(0, made[-1].asked - 1, 5).astype(int).tolist():
+        result = run(after)
+        folded = result.quality.folded_cells
+        assert result.stopped_by == "time limit"
+        assert result.message.count("the time is over; this is the best grid that it had.") == 1
+        assert ("was untangled first" in result.message) <= (folded == 0)
+        assert (f"{folded} cell" in result.message) == (folded > 0)
+        assert folded <= min(last, gg.quality(start).folded_cells)
+        last = folded
+
+
+def test_a_window_is_left_in_time_and_what_it_has_done_is_kept():
+    swept, point, asked = point_of(stretched()), point_of(stretched()), Ends(10**9)
+    eliminate(swept, lambda *_: None, asked)
+    with pytest.raises(StopRequest):
+        eliminate(point, _minimize_window, Ends(asked.asked + 6))
+    point.evaluate()
+    assert point.smallest > 0
+    assert point.energy < swept.energy
+
+
+def test_every_program_of_a_lift_asks(monkeypatch):
+    """Also those that lead nowhere, and of which no step is told."""
+    start = RUNS["a band that is lifted from middles"][1]
+    place, free = start.planes.copy(), np.ones(start.shape, dtype=bool)
+    free[[0, -1]], free[:, [0, -1]] = False, False
+    seconds = []
+    monkeypatch.setattr(lift.Fold, "_program", lambda self, radius, left: seconds.append(left))
+    with pytest.raises(StopRequest):
+        lift.Fold(place, free).lift(Progress("lift", deadline=Ends(3)))
+    assert len(seconds) == 3
+    short = Deadline()
+    monkeypatch.setattr(short, "check", lambda: 1e-3)
+    lift.Fold(place, free).lift(Progress("lift", deadline=short))
+    assert seconds[0] == 0.5
+    assert seconds[-1] == 1e-3
+
+
+def test_every_linear_system_of_a_step_asks():
+    problem = make_problem(gg.domain("wavy", 9, 9), "winslow")
+    never_solves = SimpleNamespace(set_operator=lambda planes: False)
+    state = NewtonSteps(problem, never_solves, Ends(3), only_semidefinite=False)
+    with pytest.raises(StopRequest):
+        state.downhill(SimpleNamespace(point=point_of(gg.domain("wavy", 9, 9).planes.copy())))
+    assert state.deadline.asked == 4
+
+
+def test_every_damped_step_of_the_equations_asks():
+    start, deadline = gg.domain("wavy", 9, 9), Ends(3)
+    equations = Equations(make_problem(start, "winslow"), (1.0, 1.0))
+    residual = equations.residual(start.planes)
+    with pytest.raises(StopRequest):
+        equations_newton._reduce(equations, None, start.planes, residual, 1.0, np.inf, deadline)
+    assert deadline.asked == 4
+
+
+def test_a_search_for_a_proof_asks():
+    def over():
+        raise StopRequest("time limit", "the time is over")
+
+    start = RUNS["a bay without a valid grid"][1]
+    assert len(gg.certificates(start, search=True)) == 1
+    with pytest.raises(StopRequest):
+        gg.certificates(start, search=True, check=over)
+    assert gg.certificates(start, check=over) == ()
+    backwards = gg.Grid(start.xy[::-1])
+    assert gg.certificates(backwards, search=True, check=over)[0].kind == "clockwise", "no search is needed"
