@@ -8,7 +8,7 @@ of cases, whose every leaf must be a contradiction.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -21,8 +21,8 @@ from .neck import Node
 from .network import Network, OutOfWork
 from .places import Place, Places
 
-#: Rules that may be used in one attempt to find a proof.
-WORK = 60_000
+#: Rules that may be used in one attempt to find a proof: for a first look, and where nothing else helps.
+LITTLE_WORK, WORK = 10_000, 100_000
 #: To show that still fewer cells conflict: so many times the work of the proof that is known.
 _PATIENCE = 2
 #: Of so many nodes, those with the largest places, these are cut in halves to see what that tells. Area knows no
@@ -45,13 +45,14 @@ class Conflict:
     work: int
 
 
-def find_conflict(grid: Grid, work: int = WORK) -> Conflict | None:
+def find_conflict(grid: Grid, work: int = WORK, check: Callable[[], object] | None = None) -> Conflict | None:
     """Search near the folded cells of a grid for a proof that no valid grid has its boundary nodes.
 
     Args:
         grid: any grid; its folds are hints where to search, and the less folded it is, the better. Where its inner
             nodes are does not matter otherwise.
         work: how many rules may be used in each of a few attempts, which bounds the time.
+        check: called again and again; what it raises ends the search.
 
     Returns:
         Cells that conflict, as few as are found. None if no proof was found.
@@ -61,15 +62,20 @@ def find_conflict(grid: Grid, work: int = WORK) -> Conflict | None:
         cells = _near_folds(grid, layers)
         for cases in (False, True):
             if cells and cells != before:
-                found = contracted_places(grid, cells, work, cases=cases)
+                found = contracted_places(grid, cells, work, cases=cases, check=check)
                 if isinstance(found, Conflict):
-                    return _fewest(grid, found, cases)
+                    return _fewest(grid, found, cases, check)
         before = cells
     return None
 
 
 def contracted_places(
-    grid: Grid, cells: Iterable[Node] | None = None, work: int = WORK, *, cases: bool = True
+    grid: Grid,
+    cells: Iterable[Node] | None = None,
+    work: int = LITTLE_WORK,
+    *,
+    cases: bool = True,
+    check: Callable[[], object] | None = None,
 ) -> dict[Node, tuple[FloatArray, ...]] | Conflict:
     """Return where each inner node of some cells lies in every valid grid with the same boundary nodes, or a proof.
 
@@ -78,6 +84,7 @@ def contracted_places(
         cells: each by its first node (i, j); all cells if None. Only what these say is used.
         work: how many rules may be used.
         cases: False to look at corners only, and to tell no cases apart: this is quick, and proves less.
+        check: called again and again; what it raises ends the work.
 
     Returns:
         For each inner node of the cells convex polygons (n, 2), counter-clockwise, the largest first: one of them
@@ -85,7 +92,7 @@ def contracted_places(
     """
     ni, nj = grid.shape
     every = [(i, j) for i in range(ni - 1) for j in range(nj - 1)]
-    network = Network(grid, every if cells is None else cells, work, sight=cases)
+    network = Network(grid, every if cells is None else cells, work, sight=cases, check=check)
     places = network.start.copy()
     try:
         why = network.contract(places)
@@ -207,12 +214,12 @@ def _moments(region: Polygon) -> FloatArray:
     return np.asarray(np.cov(points.T))
 
 
-def _fewest(grid: Grid, conflict: Conflict, cases: bool) -> Conflict:
+def _fewest(grid: Grid, conflict: Conflict, cases: bool, check: Callable[[], object] | None) -> Conflict:
     """Leave out cells of a conflict as long as the others still conflict, and that is shown with as little work."""
     kept, each, left = conflict.cells, _PATIENCE * conflict.work, WORK
     for cell in conflict.cells:
         if cell in kept and left > 0:
-            fewer = contracted_places(grid, [other for other in kept if other != cell], each, cases=cases)
+            fewer = contracted_places(grid, [other for other in kept if other != cell], each, cases=cases, check=check)
             left -= fewer.work if isinstance(fewer, Conflict) else each
             kept = fewer.cells if isinstance(fewer, Conflict) else kept
     return Conflict(kept, conflict.work)

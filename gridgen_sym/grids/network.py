@@ -14,7 +14,7 @@ signs are those of whole numbers.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations, permutations
 
 from .cuts import common_part
@@ -51,7 +51,15 @@ class Network:
         work: how many rules may still be used.
     """
 
-    def __init__(self, grid: Grid, cells: Iterable[Node], work: int, *, sight: bool = True) -> None:
+    def __init__(
+        self,
+        grid: Grid,
+        cells: Iterable[Node],
+        work: int,
+        *,
+        sight: bool = True,
+        check: Callable[[], object] | None = None,
+    ) -> None:
         """Take the rules of the cells, each by its first node, of a grid whose inner nodes do not matter.
 
         Args:
@@ -59,8 +67,9 @@ class Network:
             cells: those whose corners count.
             work: how many rules may be used.
             sight: whether nodes of a cell must see each other, too.
+            check: called again and again; what it raises ends the work.
         """
-        self.cells, self.work = sorted(cells), work
+        self.cells, self.work, self._check = sorted(cells), work, check
         index = boundary_indices(*grid.shape)
         ring = grid.planes[:, index[:, 0], index[:, 1]].T
         self.lattice = Lattice(ring)
@@ -137,6 +146,8 @@ class Network:
 
     def _use(self, work: int) -> None:
         """Count work that is to be done."""
+        if self._check is not None:
+            self._check()
         self.work -= work
         if self.work < 0:
             raise OutOfWork
