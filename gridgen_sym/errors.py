@@ -12,6 +12,11 @@ class MissingExtraError(GridgenError, ImportError):
 
     def __init__(self, purpose: str, extra: str, package: str) -> None:
         """Say that `purpose` needs `package`, which the extra `extra` installs."""
+        self._given = (purpose, extra, package)
         super().__init__(
             f"{purpose} needs the package '{package}', which is not installed: run  pip install 'gridgen-sym[{extra}]'"
         )
+
+    def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str, str]]:
+        """Pickle what it was made of, so that a worker process can hand it on."""
+        return type(self), self._given

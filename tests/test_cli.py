@@ -132,13 +132,19 @@ def test_a_grid_file_is_the_start():
     assert "drop --size" in run("grid", "start.vts", "-f", "winslow", "--size", 8, 8, code=2)
 
 
-def test_a_clockwise_outline_needs_leave():
-    outline = gg.Outline([(0, 0), (2, 0), (2, 1), (0, 1)], (0, 1, 2, 3))
-    outline.write("a.csv")
-    lines = Path("a.csv").read_text().splitlines()
-    Path("a.csv").write_text("\n".join([*lines[:4], *lines[:3:-1]]) + "\n")
-    assert "runs clockwise" in run("grid", "a.csv", "-f", "winslow", "--size", 4, 4, code=2)
-    run("grid", "a.csv", "-f", "winslow", "--size", 4, 4, "--reorient")
+def test_a_clockwise_outline_is_turned_unless_that_is_forbidden(monkeypatch):
+    monkeypatch.delenv("GRIDGEN_SYM_QUIET", raising=False)
+    Path("a.csv").write_text("# corners: 0 1 2 3\n0,0\n0,1\n2,1\n2,0\n")
+    said = run("grid", "a.csv", "-f", "winslow", "--size", 4, 4, "-o", "a.npz")
+    assert "runs clockwise, and is taken backwards" in said
+    assert gg.read("a.npz").xy[-1, 0].tolist() == [0, 0]  # The bottom is the side from point 0 to 1, and stays.
+    assert "runs clockwise" in run("grid", "a.csv", "-f", "winslow", "--no-reorient", code=2)
+    run("grid", "a.csv", "-f", "winslow", "--size", 4, 4, "--corners", "2,3,0,1", "-o", "b.npz")
+    assert gg.read("b.npz").xy[-1, 0].tolist() == [2, 1]  # Numbers of points are those of the file.
+
+
+def test_memory_that_does_not_suffice_is_told():
+    assert "not enough memory: take fewer nodes" in run("grid", "swan", "-f", "length", "--size", *2 * [10**7], code=2)
 
 
 BAD = {
@@ -361,6 +367,12 @@ def test_the_module_runs_as_a_program():
     assert bad.stderr.startswith("Error: cannot read nowhere.vts")
 
 
+def test_a_terminal_without_the_signs_of_mathematics_shows_others():
+    told = program("functionals", env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    assert told.returncode == 0
+    assert "half of each: (J? + g12?)/4" in told.stdout
+
+
 def test_help_and_import_do_not_load_what_they_do_not_need():
     code = (
         "import sys, gridgen_sym, gridgen_sym.cli as cli\n"
@@ -393,7 +405,10 @@ def test_corners_and_sampling_of_an_outline(monkeypatch):
     Path("bare.csv").write_text(NOTCHED)
     run("grid", "bare.csv", "-f", "winslow", "--size", 24, 12, "--corners", "auto", "-o", "auto.npz")
     assert gg.read("auto.npz") == gg.read("moved.npz")
-    assert "expected the header" in run("grid", "bare.csv", "-f", "winslow", code=2)
+    assert "it has no corners" in run("grid", "bare.csv", "-f", "winslow", code=2)
+    Path("bare.dat").write_text(NOTCHED[4:].replace(",", " "))
+    run("grid", "bare.dat", "-f", "winslow", "--size", 24, 12, "--corners", "auto", "-o", "blanks.npz")
+    assert gg.read("blanks.npz") == gg.read("auto.npz")
     assert "--corners is auto or four" in run("grid", "notched.csv", "-f", "winslow", "--corners", "0,4", code=2)
     assert "--corners belongs to an outline" in run("grid", "swan", "-f", "winslow", "--corners", "auto", code=2)
     assert "--sampling belongs to an outline" in run("grid", "moved.npz", "-f", "length", "--sampling", "equal", code=2)
@@ -414,10 +429,10 @@ def test_a_certificate_is_told_and_drawn():
     assert Path("good.png").is_file()
 
 
-def test_a_clockwise_grid_file_is_mirrored_if_that_is_wished(monkeypatch):
+def test_a_clockwise_grid_file_is_mirrored_unless_that_is_forbidden(monkeypatch):
     monkeypatch.delenv("GRIDGEN_SYM_QUIET", raising=False)
     gg.Grid(gg.domain("swan", 9, 9).xy[::-1]).write("clockwise.npz")
-    said = run("grid", "clockwise.npz", "-f", "winslow", "--reorient", "-o", "mended.npz")
+    said = run("grid", "clockwise.npz", "-f", "winslow", "-o", "mended.npz")
     assert "left and right are exchanged" in said
     assert gg.read("mended.npz").xy[0, 0].tolist() == [0, 0]
-    assert "the boundary runs clockwise" in run("grid", "clockwise.npz", "-f", "winslow", code=1)
+    assert "the boundary runs clockwise" in run("grid", "clockwise.npz", "-f", "winslow", "--no-reorient", code=1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -84,11 +86,13 @@ def test_values_are_the_density_itself():
     ("arguments", "match"),
     [
         (("square", "--to", "x + z"), "unknown name 'z'"),
-        (("square", "--to", "gone.npz"), "cannot read the field gone.npz"),
-        (("square", "--to", "other.npz"), "other.npz holds the arrays u"),
-        (("square", "--to", "head.csv"), "head.csv begins with 'a,b'"),
+        (("square", "--to", "gone.npz"), "cannot read gone.npz: there is no such file"),
+        (("square", "--to", "other.npz"), "the field other.npz: it holds the arrays u. Expected"),
+        (("square", "--to", "head.csv"), "the field head.csv: it begins with 'a,b'. Expected"),
         (("square", "--to", "text.csv"), "cannot read the field text.csv"),
-        (("square", "--to", "two.csv"), "two.csv has 2 columns"),
+        (("square", "--to", "two.csv"), "the field two.csv: it has 2 columns"),
+        (("square", "--to", "none.csv"), "the field none.csv: it has a header and no samples"),
+        (("square", "--to", "1/x"), "must be finite; node (0, 0) has inf"),
         (("square", "--to", "notzip.npz"), "cannot read the field notzip.npz"),
         (("square", "--to", "x", "--share", "1"), "below 1; came 1.0"),
         (("square", "--to", "x", "--steps", "-1"), "steps must be a whole number"),
@@ -102,6 +106,7 @@ def test_bad_input_exits_with_2_and_says_what_to_do(arguments, match, tmp_path):
     (tmp_path / "head.csv").write_text("a,b\n1,2\n")
     (tmp_path / "text.csv").write_text("x,y,value\n1,2,three\n")
     (tmp_path / "two.csv").write_text("x,y,value\n1,2\n3,4\n")
+    (tmp_path / "none.csv").write_text("x,y,value\n")
     (tmp_path / "notzip.npz").write_text("no archive")
     assert match in run(*arguments, code=2)
 
@@ -110,6 +115,17 @@ def test_a_time_limit_leaves_the_last_grid_and_is_no_failure():
     said = run("square", "--to", RING, "--size", 10, 10, "--time-limit", "1e-9", "-o", "a.vts")
     assert "the time limit of 1e-09 seconds is over" in said
     assert gg.read("a.vts") == gg.domain("square", 11, 11)
+
+
+def test_an_outline_and_parameters():
+    text = "# corners: 1 2 3 0\n0,1\n0,0\n2,0\n2,1\n"
+    Path("box.csv").write_text(text)
+    run("box.csv", "--to", "x", "--size", 6, 6, "--sampling", "equal", "--corners", "2,3,0,1", "-o", "a.vts")
+    assert gg.read("a.vts").xy[0, 0].tolist() == [2, 0]
+    run("box.csv", "--to", "tanh(9*x)", "--size", 6, 6, "--steps", 1, "-o", "b.vts")
+    run("box.csv", "--to", "tanh(9*x)", "--size", 6, 6, "--steps", 1, "--parameter", "k=1", "-o", "c.vts")
+    assert gg.read("b.vts") != gg.read("c.vts")
+    assert "has no parameter 'q'" in run("square", "--to", "x", "--parameter", "q=1", code=2)
 
 
 def test_an_interrupted_adaptation_writes_its_last_grid_and_exits_with_130(monkeypatch):

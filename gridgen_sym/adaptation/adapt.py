@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +12,12 @@ from ..errors import GridgenError
 from ..functionals.definition import Functional
 from ..functionals.definition import functional as find_functional
 from ..grids import Grid, quality
-from ..grids.grid import check_grid
 from ..runtime import Array
 from ..solvers import untangle
-from ..solvers.checks import check_time_limit, fixed_mask
+from ..solvers.checks import fixed_mask
 from ..solvers.deadline import Deadline, Stop, StopRequest
 from ..solvers.sampled import SampledField, grid_field
+from .checks import check_arguments
 from .equidistribution import cell_areas, cell_means, equidistribution, variation
 from .error_estimate import hierarchical_error
 from .law import law_of
@@ -74,21 +73,22 @@ def adapt(
         boundary: `straight`: nodes slide along straight sides, where that changes no shape; `all`: along the polygon
             of every side, which cuts off what little lies between two nodes; `fixed`: they stay. Corners always stay.
         fixed: (ni, nj) mask of inner nodes that do not move; a side with such nodes does not slide.
-        callback: called with every `AdaptStep`.
-        time_limit: seconds after which the adaptation ends; your solver is not interrupted.
+        callback: called with every `AdaptStep`; may raise StopIteration to stop.
+        time_limit: seconds after which to stop. Your own solver is not stopped while it works.
         progress: show progress on standard error; by default where that is a terminal.
         backend: `c` or `numpy`.
 
     Returns:
-        The result; see its `converged` and `message`. After Ctrl-C, or when the time is over, it is the
-        last grid whose solution is known.
+        The result; see its `converged` and `message`. Ctrl-C, the callback and the time limit give the last grid whose
+        solution is known.
 
     Raises:
         GridgenError: for input that cannot be used, for a folded start that cannot be untangled, and for a solution
             that is not finite or of another shape.
+        Exception: whatever the callback raises. The attribute `result` of an error after the start holds the last grid
+            whose solution is known.
     """
-    _check(grid, steps, moves, damping, tolerance, boundary, callback)
-    check_time_limit(time_limit)
+    check_arguments(grid, steps, moves, damping, tolerance, boundary, callback, time_limit)
     deadline = Deadline(time_limit)
     definition = find_functional(functional)
     law = law_of(definition.name, power)
@@ -97,8 +97,8 @@ def adapt(
     sides = sliding_sides(start, boundary, fixed)
     mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides, deadline)
     run = _Run(source, as_monitor(monitor), mover, start)
-    with Live(f"adapt, {definition.name}", callback, progress) as live:
-        converged, stopped_by, message = run.until_settled(steps, moves or source.moves, tolerance, live)
+    with Live(f"adapt, {definition.name}", callback, progress, deadline) as live:
+        converged, stopped_by, message = run.until_ended(steps, moves or source.moves, tolerance, live)
     return run.result(converged, said + message, stopped_by)
 
 
@@ -116,20 +116,32 @@ class _Run:
     history: list[AdaptStep] = field(default_factory=list)
     carried: SampledField | None = None
 
-    def until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
+    def until_ended(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
         """Adapt; return whether the grid has settled, what ended this early, and why it stopped."""
-        live.tell(self._take(self.start, 0.0))
+        last = "this is the last grid whose solution is known."
         try:
-            for _ in range(steps):
-                moved = self.mover.towards(self.grid, self.density, moves)
-                way = movement(self.grid, moved)
-                live.tell(self._take(moved, way))
-                if way <= tolerance:
-                    return self._settled(way)
+            return self._until_settled(steps, moves, tolerance, live)
         except StopRequest as stop:
-            return False, stop.by, f"{stop}; this is the last grid whose solution is known."
+            return False, stop.by, f"{stop}; {last}"
         except KeyboardInterrupt:
-            return False, "Ctrl-C", "it was interrupted; this is the last grid whose solution is known."
+            if not self.history:
+                raise
+            return False, "Ctrl-C", f"it was interrupted; {last}"
+        except Exception as error:
+            if self.history:
+                error.result = self.result(False, f"an error stopped it; {last}", "callback")  # type: ignore[attr-defined]
+                error.add_note("Its attribute 'result' holds the last adapted grid whose solution is known.")
+            raise
+
+    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
+        """Adapt until nothing moves, for so many steps at most."""
+        live.tell(self._take(self.start, 0.0))
+        for _ in range(steps):
+            moved = self.mover.towards(self.grid, self.density, moves)
+            way = movement(self.grid, moved)
+            live.tell(self._take(moved, way))
+            if way <= tolerance:
+                return self._settled(way)
         way = self.history[-1].movement
         return (
             False,
@@ -174,6 +186,8 @@ class _Run:
         if self.monitor.measure != "values":  # There the density was given, and no solution.
             first, last = self.history[0].error, self.history[-1].error
             message += f" The estimated error of interpolation was {first:.2e}, now it is {last:.2e}."
+        if np.ptp(self.values) == 0:
+            message += f" The solution is {self.values[0, 0]:g} at every node: there is nothing to adapt to."
         return AdaptResult(
             grid=self.grid,
             values=self.values,
@@ -199,26 +213,3 @@ def _valid_start(
     if not mended.converged:
         raise GridgenError(f"adaptation needs a valid start, and this one is folded: {mended.message}")
     return mended.grid, "The start was folded and was untangled first: "
-
-
-def _check(
-    grid: Grid,
-    steps: int,
-    moves: int | None,
-    damping: float,
-    tolerance: float,
-    boundary: str,
-    callback: Callback | None,
-) -> None:
-    """Refuse arguments that mean nothing."""
-    check_grid(grid)
-    for name, count, least in (("steps", steps, 0), ("moves", moves, 1)):
-        if count is not None and (not isinstance(count, (int, np.integer)) or count < least):
-            raise GridgenError(f"{name} must be a whole number, at least {least}; came {count!r}")
-    for name, number in (("damping", damping), ("tolerance", tolerance)):
-        if not isinstance(number, (int, float, np.number)) or not 0 < number <= 1:
-            raise GridgenError(f"{name} must be a number above 0 and at most 1; came {number!r}")
-    if boundary not in get_args(Boundary):
-        raise GridgenError(f"unknown boundary {boundary!r}: it is one of {', '.join(get_args(Boundary))}")
-    if callback is not None and not callable(callback):
-        raise GridgenError(f"callback must be a function of one AdaptStep; came {callback!r}")

@@ -45,7 +45,7 @@ class AdaptResult:
         history: one entry per step, the start first.
         before: spread of s·J and sqrt(s)·J over the cells of the start, s being the last density.
         after: the same over the cells of `grid`.
-        stopped_by: what ended it early: `Ctrl-C` or `time limit`; None if nothing did.
+        stopped_by: what ended it early: `Ctrl-C`, `time limit` or `callback`; None if nothing did.
     """
 
     grid: Grid

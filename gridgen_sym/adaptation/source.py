@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ..errors import GridgenError
 from ..grids import Grid
 from ..runtime import Array
-from ..solvers.weight_formula import compiled_formula, is_expression
+from ..solvers.weight_formula import Compiled, compiled_formula, is_expression
 from .recovery import nodal_values
 from .transfer import transfer
 
@@ -57,7 +57,7 @@ def source_of(solution: Solution, grid: Grid) -> Source:
     given: Any = solution
     if isinstance(given, str) or is_expression(given):
         function = compiled_formula(given, "")
-        return Source(lambda on: _spread(function(on.x, on.y), on))
+        return Source(lambda on: _spread(_quietly(function, on), on))
     if not callable(given):
         values = nodal_values(grid, given, "the solution")
         return Source(lambda on: transfer(grid, values, on), sampled=True)
@@ -80,6 +80,12 @@ def _arguments(function: Callable[..., Any]) -> int:
         return int(getattr(function, "nin", 0))
     kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     return sum(one.kind in kinds and one.default is inspect.Parameter.empty for one in parameters)
+
+
+def _quietly(formula: Compiled, grid: Grid) -> npt.ArrayLike:
+    """Evaluate a formula; where it is not finite, that is an error with the node's number, and not a warning."""
+    with np.errstate(all="ignore"):
+        return formula(grid.x, grid.y)
 
 
 def _spread(values: npt.ArrayLike, grid: Grid) -> npt.ArrayLike:

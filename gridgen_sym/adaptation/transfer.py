@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..grids import Grid
+from ..grids.grid import real_array
 from ..runtime import Array
 from ..solvers.sampled import grid_field
 from .recovery import nodal_values
@@ -30,7 +31,7 @@ def transfer(source: Grid, values: npt.ArrayLike, target: Grid, *, smooth: bool 
     Raises:
         GridgenError: for values of another shape, or that are not finite.
     """
-    given = np.asarray(values)
+    given = real_array(values, "the values", copy=False)
     if given.ndim == 3 and given.shape[2] > 0:
         return np.stack(
             [transfer(source, given[..., k], target, smooth=smooth) for k in range(given.shape[2])], axis=-1

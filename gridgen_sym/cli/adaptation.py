@@ -11,7 +11,7 @@ import click
 from .base import functionals_option
 from .field import field_of
 from .grids import certify_and_draw, check_outputs, count_of, folds_of, say
-from .start import start_grid
+from .start import assignments, start_grid, start_options
 
 if TYPE_CHECKING:
     from gridgen_sym.adaptation import AdaptResult
@@ -38,7 +38,10 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
     help="Where boundary nodes slide.  [default: straight]",
 )
 @click.option("-f", "--functional", metavar="NAME", help="What is minimised.  [default: area_winslow]")
-@click.option("--size", type=int, nargs=2, metavar="NI NJ", help="Number of cells along xi and eta.  [default: 40 40]")
+@click.option(
+    "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Of the functional. May be repeated."
+)
+@start_options
 @click.option("--time-limit", type=float, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv or .npz.")
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
@@ -50,7 +53,7 @@ def adapt(
     monitor: str,
     share: float | None,
     smoothing: int | None,
-    size: tuple[int, int] | None,
+    parameters: tuple[str, ...],
     output: str | None,
     plot: str | None,
     quiet: bool,
@@ -71,9 +74,12 @@ def adapt(
     knobs = {name: value for name, value in (("share", share), ("smoothing", smoothing)) if value is not None}
     chosen = Monitor(monitor, **knobs)  # type: ignore[arg-type]
     field = field_of(to, smooth=monitor != "values")
-    start = start_grid(input, size)
+    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "reorient")}
+    start = start_grid(input, **boundary)
     say(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
-    result = run(start, field, monitor=chosen, **{key: value for key, value in options.items() if value is not None})
+    given = {key: value for key, value in options.items() if value is not None}
+    given["parameters"] = assignments(parameters, f"the functional {options['functional'] or 'area_winslow'!r}")
+    result = run(start, field, monitor=chosen, **given)
     _report(result, quiet)
     if output:
         result.grid.write(output)

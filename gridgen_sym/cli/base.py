@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+import io
+import sys
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -31,6 +33,9 @@ class Program(click.Group):
 
     def make_context(self, *arguments: Any, **options: Any) -> click.Context:  # noqa: ANN401
         """Parse the group's own options, of which `--functionals` runs a file."""
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):  # A terminal without the signs of mathematics shows others.
+                stream.reconfigure(errors="replace")
         context: click.Context = _answered(super().make_context, *arguments, **options)
         return context
 
@@ -44,6 +49,8 @@ def _answered(call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
         return call(*arguments, **options)
     except GridgenError as error:
         raise InputError(str(error)) from error
+    except MemoryError as error:
+        raise InputError(f"there is not enough memory: take fewer nodes. {error}".strip()) from error
     except KeyboardInterrupt:
         click.secho("\ninterrupted", err=True, fg="yellow")
         raise click.exceptions.Exit(130) from None

@@ -11,7 +11,7 @@ import click
 from gridgen_sym.errors import GridgenError, MissingExtraError
 
 from .base import functionals_option
-from .start import assignments, start_grid
+from .start import assignments, start_grid, start_options
 
 if TYPE_CHECKING:
     from gridgen_sym.grids import Grid
@@ -31,7 +31,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     show_default=True,
     help="newton and local minimise the discrete energy; euler-lagrange and relaxation solve its equations.",
 )
-@click.option("--size", type=int, nargs=2, metavar="NI NJ", help="Number of cells along xi and eta.  [default: 40 40]")
+@start_options
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv or .npz.")
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
 @click.option("--weight", metavar="FORMULA", help="Adaptive weight s(x, y), such as '1 + 5*exp(-20*(x**2 + y**2))'.")
@@ -50,23 +50,14 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option("--keep-valid/--no-keep-valid", default=None, help="Whether a valid grid may not fold on the way.")
 @click.option("--interior-only", is_flag=True, help="Sum over corners at inner nodes only (newton and local).")
 @click.option("--backend", type=click.Choice(("c", "numpy")), help="Compiled or not.  [default: c if possible]")
-@click.option(
-    "--corners", metavar="CORNERS", help="Of an outline: auto, or four indices of points such as '0,10,20,30'."
-)
-@click.option(
-    "--sampling",
-    type=click.Choice(("features", "equal")),
-    help="Boundary nodes of an outline: on its sharp turns, or at equal arc lengths.  [default: features]",
-)
-@click.option("--reorient", is_flag=True, help="Accept an outline or a grid file that runs clockwise.")
 @click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
 @functionals_option
 def grid(input: str, name: str, output: str | None, plot: str | None, quiet: bool, **options: Any) -> None:  # noqa: ANN401
     """Make a grid from INPUT: a classical domain, an outline or a grid file.
 
-    INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), a CSV file with
-    an outline ('# corners: ...'), or a grid file, which is the start. Exits with 1 if the result has folded cells, and
-    after Ctrl-C, which writes the best grid so far, with 130.
+    INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), a text file
+    with an outline (points x,y and '# corners: ...'), or a grid file, which is the start. Exits with 1 if the result
+    has folded cells, and after Ctrl-C, which writes the best grid so far, with 130.
     """
     from gridgen_sym.functionals import functional
 

@@ -1,16 +1,45 @@
-"""The grid that the command `grid` starts from: a classical domain, an outline or a grid file."""
+"""The grid that the commands `grid` and `adapt` start from: a classical domain, an outline or a grid file."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
 
 from gridgen_sym.errors import GridgenError
 
 if TYPE_CHECKING:
     from gridgen_sym.grids import Grid
 
+_Command = TypeVar("_Command", bound=Callable[..., Any])
 _DEFAULT_CELLS = (40, 40)
+_OPTIONS = (
+    click.option(
+        "--size", type=int, nargs=2, metavar="NI NJ", help="Number of cells along xi and eta.  [default: 40 40]"
+    ),
+    click.option(
+        "--corners", metavar="CORNERS", help="Of an outline: auto, or four indices of points such as '0,10,20,30'."
+    ),
+    click.option(
+        "--sampling",
+        type=click.Choice(("features", "equal")),
+        help="Boundary nodes of an outline: on its sharp turns, or at equal arc lengths.  [default: features]",
+    ),
+    click.option(
+        "--reorient/--no-reorient",
+        default=True,
+        help="Whether an outline or a grid file that runs clockwise is turned round.  [default: reorient]",
+    ),
+)
+
+
+def start_options(command: _Command) -> _Command:
+    """Add to a command the options that `start_grid` takes."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
 
 
 def start_grid(
@@ -19,7 +48,7 @@ def start_grid(
     *,
     corners: str | None = None,
     sampling: str | None = None,
-    reorient: bool = False,
+    reorient: bool = True,
 ) -> Grid:
     """Return the grid to start from.
 
@@ -28,7 +57,7 @@ def start_grid(
         size: number of cells; not for a grid file, which has its own.
         corners: of an outline: 'auto', or four indices of its points with commas or blanks between.
         sampling: of an outline: 'features' or 'equal'.
-        reorient: accept a clockwise outline or grid file.
+        reorient: turn a clockwise outline or grid file round, and say so.
 
     Raises:
         GridgenError: if it is none of these, or cannot be read.
@@ -40,13 +69,11 @@ def start_grid(
         raise GridgenError(f"--size is the number of cells along xi and eta, at least 2 2; came {ni - 1} {nj - 1}")
     suffix = Path(source).suffix.lower()
     is_file = suffix in known_suffixes() or Path(source).is_file()
-    if is_file and suffix == ".csv" and (_has_corners(source) or (corners and _has_points_only(source))):
+    if is_file and (suffix not in known_suffixes() or (suffix == ".csv" and not _has_nodes(source))):
         return _outline_grid(source, ni, nj, corners, sampling, reorient)
     for option, value in (("--corners", corners), ("--sampling", sampling)):
         if value is not None:
-            raise GridgenError(
-                f"{option} belongs to an outline (a CSV file with the header x,y), which {source} is not"
-            )
+            raise GridgenError(f"{option} belongs to an outline (a text file of points x,y), which {source} is not")
     if is_file:
         return _grid_file(source, size, reorient)
     key, _, rest = source.partition(":")
@@ -67,14 +94,10 @@ def assignments(texts: list[str] | tuple[str, ...], of: str) -> dict[str, float]
     return values
 
 
-def _has_corners(path: str) -> bool:
-    return any(line.startswith("#") and line[1:].strip().lower().startswith("corners") for line in _lines(path))
-
-
-def _has_points_only(path: str) -> bool:
-    """Say whether a CSV file has the header x,y of an outline, and not that of a grid."""
+def _has_nodes(path: str) -> bool:
+    """Say whether a CSV file has the header of a grid file, and is no outline."""
     header = next((line for line in _lines(path) if line.strip() and not line.startswith("#")), "")
-    return header.replace(" ", "").lower() == "x,y"
+    return header.replace(" ", "").lower() == "i,j,x,y"
 
 
 def _lines(path: str) -> list[str]:
@@ -95,21 +118,19 @@ def _outline_grid(path: str, ni: int, nj: int, corners: str | None, sampling: st
             chosen = []
         if len(chosen) != 4:
             raise GridgenError(f"--corners is auto or four whole numbers, such as '0,10,20,30'; came {corners!r}")
-    # A file without corners gets some in place of its own: others are chosen, and points keep their numbers.
-    outline = Outline.read(path, corners=None if _has_corners(path) else (0, 1, 2, 3), reorient=reorient)
-    return outline.grid(ni, nj, chosen, sampling or "features")  # type: ignore[arg-type]
+    outline = Outline.read(path, corners=chosen, reorient=reorient)
+    # Corners that were chosen by number are kept, others may be moved.
+    wanted: Any = chosen if chosen in (None, "auto") else outline.corners
+    return outline.grid(ni, nj, wanted, sampling or "features")  # type: ignore[arg-type]
 
 
 def _grid_file(path: str, size: tuple[int, int] | None, reorient: bool) -> Grid:
-    """Return the grid of a file; one that runs clockwise is mirrored if that is wished, and it is said."""
+    """Return the grid of a file; one that runs clockwise is mirrored, unless that is forbidden, and it is said."""
     from gridgen_sym.grids import Grid, certificates, read
     from gridgen_sym.messages import say
 
     if size is not None:
-        raise GridgenError(
-            f"{path} is read as a grid file, which has its own number of cells: drop --size; if it is an outline, say "
-            "--corners auto, or name its corners in a line '# corners: 0 10 20 30'"
-        )
+        raise GridgenError(f"{path} is a grid file, which has its own number of cells: drop --size")
     grid = read(path)
     if reorient and any(found.kind == "clockwise" for found in certificates(grid)):
         say(f"{path} runs clockwise: its sides left and right are exchanged")

@@ -85,9 +85,8 @@ def write_if_changed(path: Path, text: str) -> Path:
 
 def _facts(found: Classification) -> Iterator[tuple[str, str]]:
     """Yield what a reader wants to know first."""
-    how = {"proved": "proved", "refuted": "refuted by an exact witness", "sampled": "sampled"}
     linear, coupled, kind = found.words()
-    yield "Equations", f"{linear}, {coupled}, {kind} where $J > 0$ ({how[found.ellipticity.proof]})"
+    yield "Equations", f"{linear}, {coupled}, {kind} where $J > 0$ ({found.ellipticity.how_known})"
     yield "Barrier at $J = 0$", "yes" if found.barrier else "no"
     invariant = {"translation": found.translation, "rotation": found.rotation, "exchange of ξ and η": found.exchange}
     kept = [name for name, holds in invariant.items() if holds]
@@ -96,7 +95,8 @@ def _facts(found: Classification) -> Iterator[tuple[str, str]]:
     yield "Scaling", "not homogeneous" if degree is None else f"of degree ${latex(degree)}$"
     bound = found.lower_bound
     yield "Lower bound", "none known" if bound.value is None else f"${latex(bound.value)}$ ({bound.proof})"
-    yield "Polyconvex", f"{'yes' if found.polyconvex.holds else 'no'} ({how[found.polyconvex.proof]})"
+    how = "refuted at a point" if found.polyconvex.proof == "refuted" else found.polyconvex.proof
+    yield "Polyconvex", f"{'yes' if found.polyconvex.holds else 'no'} ({how})"
     if found.functional.parameters:
         values = ", ".join(f"`{name}` = {value:g}" for name, value in found.functional.parameters.items())
         rules = ", ".join(f"`{rule}`" for rule in found.functional.constraints)

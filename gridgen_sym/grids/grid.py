@@ -137,8 +137,12 @@ def real_array(values: ArrayLike, what: str, *, copy: bool = True) -> FloatArray
     """Return `values` as float64, without `copy` perhaps themselves, or say which type came instead of real numbers.
 
     Raises:
-        GridgenError: for ragged, complex, textual or otherwise non-numeric values; `what` names them.
+        GridgenError: for ragged, complex, textual or otherwise non-numeric values, and for masked ones; `what` names
+            them.
     """
+    if isinstance(values, np.ma.MaskedArray) and np.any(values.mask):
+        missing = int(np.sum(values.mask))
+        raise GridgenError(f"{what} must all be there, but {missing} of the numbers are masked: fill them")
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "biufO":  # A complex or a textual array would be converted by NumPy, lossily.

@@ -16,7 +16,6 @@ from ..messages import say
 from .corners import CornerChoice, Corners, automatic_corners
 from .grid import FloatArray, Grid, check_counts
 from .outline_checks import (
-    checked_choice,
     checked_corners,
     checked_points,
     corners_of_turns,
@@ -56,41 +55,39 @@ class Outline:
         corners: ArrayLike | Literal["auto"],
         name: str = "outline",
         *,
-        reorient: bool = False,
+        reorient: bool = True,
     ) -> None:
         """Copy and check an outline.
 
         Args:
-            points: shape (N, 2), N >= 4, finite, no two in succession equal, not crossing itself.
-            corners: four increasing indices, the first 0; or N marks, 1 at the four corners and 0 elsewhere, as
-                pygridgen's `beta`; or 'auto': the best four for a square of cells, see `choose_corners`. With the
-                last two, the points are rolled so that the first corner comes first.
+            points: shape (N, 2), N >= 4, finite, no two in succession equal, not crossing itself. Copies of the first
+                point at the end, by which many programs say that a curve is closed, are left out.
+            corners: four indices in the order of the points; or N marks, 1 at the four corners and 0 elsewhere, as
+                pygridgen's `beta`; or 'auto': the best four for a square of cells, see `choose_corners`. The points
+                are rolled so that the first corner comes first.
             name: what to call it in messages.
-            reorient: accept a clockwise curve, by running it backwards from its second corner: bottom and top
-                stay on their curves, left and right change places.
+            reorient: run a clockwise curve backwards from its second corner, which is said: bottom and top stay on
+                their curves, left and right change places. Without it such a curve is refused.
 
         Raises:
             GridgenError: naming the outline, the fault, its place and the repair.
         """
         array = checked_points(points, name)
-        automatic = isinstance(corners, str) and corners == "auto"
-        marked = None if isinstance(corners, str) else corners_of_turns(corners, array, name)
-        if marked is not None:
-            first = checked_choice(marked, len(array), name)[0]
-            array, corners = np.roll(array, -first, axis=0), np.asarray(marked) - first
-        checked = (0, 1, 2, 3) if automatic else checked_corners(corners, len(array), name)
+        automatic, checked = isinstance(corners, str) and corners == "auto", (0, 1, 2, 3)
+        if not automatic:
+            marked = corners_of_turns(corners, array, name)
+            chosen = checked_corners(corners if marked is None else marked, len(array), name)
+            array, checked = rolled(array, chosen)
         crossing = first_crossing(array)
         if crossing is not None:
             raise GridgenError(f"the outline '{name}' crosses or touches itself: {crossing_text(array, crossing)}")
         clockwise = is_clockwise(array)
         if clockwise and not reorient:
-            raise GridgenError(
-                f"the outline '{name}' runs clockwise; expected counter-clockwise: pass reorient=True, which "
-                "runs it backwards from corner 1, so that bottom and top stay where they are, and left and "
-                "right change places"
-            )
+            raise GridgenError(f"the outline '{name}' runs clockwise; expected counter-clockwise, or reorient=True")
         if clockwise:
             array, checked = run_backwards(array, checked)
+            ways = "" if automatic else " from corner 1: bottom and top stay, left and right change places"
+            say(f"the outline '{name}' runs clockwise, and is taken backwards{ways}")
         if automatic:
             array, checked = rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
         array.setflags(write=False)
@@ -103,12 +100,12 @@ class Outline:
         path: str | os.PathLike[str],
         *,
         corners: ArrayLike | Literal["auto"] | None = None,
-        reorient: bool = False,
+        reorient: bool = True,
     ) -> Outline:
-        """Read an outline from a CSV file.
+        """Read an outline from a text file.
 
-        The file has comment lines (``# name: NAME`` and ``# corners: c0 c1 c2 c3``; others are ignored), the
-        header ``x,y``, and one line for each point.
+        The file has comment lines (``# name: NAME`` and ``# corners: c0 c1 c2 c3``; others are ignored), perhaps the
+        header ``x,y``, and one line for each point, with a comma, a semicolon, a tab or blanks between x and y.
 
         Args:
             path: the file.
@@ -124,8 +121,8 @@ class Outline:
         chosen = listed if corners is None else corners
         if chosen is None:
             raise GridgenError(
-                f"cannot read {path}: it has no corners; add a line like '# corners: 0 10 20 30' above 'x,y', or let "
-                "them be chosen with corners='auto' (--corners auto)"
+                f"cannot read {path}: it has no corners; add a line like '# corners: 0 10 20 30' above its points, or "
+                "let them be chosen with corners='auto' (--corners auto)"
             )
         try:
             return cls(points, chosen, name or Path(path).stem, reorient=reorient)
@@ -171,7 +168,7 @@ class Outline:
         if isinstance(corners, str) and corners == "auto":
             wanted = automatic_corners(self.points, ni, nj)
         else:
-            wanted = self.corners if corners is None else checked_choice(corners, len(self.points), self.name)
+            wanted = self.corners if corners is None else checked_corners(corners, len(self.points), self.name)
         keep = not (corners is None or isinstance(corners, str))
         return corner_choice(self.points, self.name, wanted, (ni, nj), sampling, keep=keep)
 

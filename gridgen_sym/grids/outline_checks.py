@@ -12,8 +12,8 @@ from .polygon import first_repeated
 
 
 def checked_points(points: ArrayLike, name: str) -> FloatArray:
-    """Return a copy of the vertices: finite, enough of them, none repeated at once."""
-    array = real_array(points, f"the points of the outline '{name}'").copy()
+    """Return a copy of the vertices: finite, enough of them, none repeated at once, the first not again at the end."""
+    array = _opened(real_array(points, f"the points of the outline '{name}'")).copy()
     if array.ndim != 2 or array.shape[1] != 2 or len(array) < 4:
         raise GridgenError(
             f"the outline '{name}' needs points of shape (N, 2) with N >= 4, but came with {array.shape}"
@@ -24,41 +24,36 @@ def checked_points(points: ArrayLike, name: str) -> FloatArray:
         raise GridgenError(f"every point of the outline '{name}' must be finite, but point {k} is {array[k].tolist()}")
     repeated = first_repeated(array)
     if repeated is not None:
-        closing = " (a closed curve does not repeat its first point)" if repeated == len(array) - 1 else ""
-        following = (repeated + 1) % len(array)
         raise GridgenError(
-            f"the outline '{name}' repeats a point: {repeated} and {following} are both "
-            f"{array[repeated].tolist()}; "
-            f"remove point {max(repeated, following)}{closing}"
+            f"the outline '{name}' repeats a point: {repeated} and {repeated + 1} are both "
+            f"{array[repeated].tolist()}; remove point {repeated + 1}"
         )
     return array
 
 
+def _opened(points: FloatArray) -> FloatArray:
+    """Return a curve without copies of its first point at the end, by which many programs say that it is closed."""
+    while points.ndim == 2 and len(points) > 1 and np.array_equal(points[-1], points[0]):
+        points = points[:-1]
+    return points
+
+
 def checked_corners(corners: ArrayLike, count: int, name: str) -> Corners:
-    """Return the corners as four whole numbers: 0 < c1 < c2 < c3 < count."""
+    """Return corners as four different indices of points, in the order of the points from any start."""
     values = real_array(corners, f"the corners of the outline '{name}'")
-    listed = values.tolist()
-    whole = values.shape == (4,) and np.isfinite(values).all() and (values % 1 == 0).all()
-    if not whole or values[0] != 0 or not (np.diff(values) > 0).all() or not values[-1] < count:
-        raise GridgenError(
-            f"the corners of the outline '{name}' must be four increasing indices from 0 to {count - 1}, "
-            f"the first 0, but are {listed}: roll the points so that the first corner comes first"
-        )
-    c0, c1, c2, c3 = (int(value) for value in values)
-    return c0, c1, c2, c3
-
-
-def checked_choice(corners: ArrayLike, count: int, name: str) -> Corners:
-    """Return a choice of corners: four different indices of points, counter-clockwise from any start."""
-    values = real_array(corners, f"the corners for a grid of the outline '{name}'")
     whole = values.shape == (4,) and np.isfinite(values).all() and (values % 1 == 0).all()
     if not whole or values.min() < 0 or values.max() >= count or not (np.diff((values - values[0]) % count) > 0).all():
         raise GridgenError(
-            f"the corners for a grid of the outline '{name}' must be 'auto' or four different indices of its points "
-            f"from 0 to {count - 1}, counter-clockwise, but are {values.tolist()}"
+            f"the corners of the outline '{name}' must be 'auto' or four different indices of its points from 0 to "
+            f"{count - 1}, in the order of the points, but are {_listed(values)}"
         )
     c0, c1, c2, c3 = (int(value) for value in values)
     return c0, c1, c2, c3
+
+
+def _listed(values: FloatArray) -> str:
+    """Return numbers as a list, whole ones without a point."""
+    return f"[{', '.join(f'{value:.15g}' for value in values.ravel())}]"
 
 
 def corners_of_turns(corners: ArrayLike, points: FloatArray, name: str) -> ArrayLike | None:

@@ -1,4 +1,4 @@
-"""The text of an outline file: comment lines, the header x,y, and one line for each point."""
+"""The text of an outline file: comment lines, perhaps the header x,y, and one line for each point."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ from ..errors import GridgenError
 def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[int] | None, list[list[float]]]:
     """Return name (perhaps empty), corners (perhaps None) and points from the lines of an outline file at `path`.
 
+    The columns have commas, semicolons (then a comma may stand for the decimal point), tabs or blanks between them: the
+    first line that is no comment says which.
+
     Raises:
-        GridgenError: for a missing or malformed header, or a line that is no point, with its number.
+        GridgenError: for a header other than x,y, or a line that is no point, with its number.
     """
-    name, corners, headed = "", None, False
+    name, corners, separator = "", None, None
     points: list[list[float]] = []
     for number, line in enumerate(text.splitlines(), start=1):
         stripped, where = line.strip(), f"cannot read {path}: line {number}"
@@ -23,13 +26,11 @@ def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[in
                 name = value.strip()
             elif key.strip() == "corners":
                 corners = _parsed_corners(value, where)
-        elif not headed and stripped:
-            if stripped.replace(" ", "").lower() != "x,y":
-                raise GridgenError(f"{where} is {stripped[:60]!r}; expected the header 'x,y' before the points")
-            headed = True
         elif stripped:
-            points.append(_parsed_point(stripped, where))
-    if not headed:
+            first, separator = separator is None, separator or _separator(stripped)
+            if not (first and _is_header(stripped, separator)):
+                points.append(_parsed_point(stripped, separator, first, where))
+    if separator is None:
         raise GridgenError(f"cannot read {path}: it has no points; expected the header 'x,y' and a line for each")
     return name, corners, points
 
@@ -37,7 +38,7 @@ def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[in
 def _parsed_corners(value: str, where: str) -> list[int]:
     """Return the corners of a comment line."""
     try:
-        corners = [int(word) for word in value.split()]
+        corners = [int(word) for word in value.replace(",", " ").split()]
     except ValueError:
         corners = []
     if len(corners) != 4:
@@ -45,10 +46,29 @@ def _parsed_corners(value: str, where: str) -> list[int]:
     return corners
 
 
-def _parsed_point(line: str, where: str) -> list[float]:
-    """Return the point of a line."""
+def _separator(line: str) -> str:
+    """Return what stands between the columns of a line; a blank means any blanks."""
+    return next((mark for mark in ";,\t" if mark in line), " ")
+
+
+def _is_header(line: str, separator: str) -> bool:
+    return [word.strip(' "').lower() for word in _words(line, separator)] == ["x", "y"]
+
+
+def _parsed_point(line: str, separator: str, first: bool, where: str) -> list[float]:
+    """Return the point of a line; the first one may have been meant for a header."""
     try:
-        x, y = (float(word) for word in line.split(","))
+        x, y = (float(word) for word in _words(line, separator))
     except ValueError as error:
-        raise GridgenError(f"{where} is {line[:60]!r}; expected two numbers with a comma between") from error
+        between = {";": "a semicolon", ",": "a comma", "\t": "a tab", " ": "blanks"}[separator]
+        wanted = "the header 'x,y' (put # before any other) or two numbers" if first else "two numbers"
+        raise GridgenError(f"{where} is {line[:60]!r}; expected {wanted} with {between} between") from error
     return [x, y]
+
+
+def _words(line: str, separator: str) -> list[str]:
+    """Return the columns of a line; where semicolons part them, a comma is a decimal point."""
+    if separator == " ":
+        return line.split()
+    words = line.split(separator)
+    return [word.replace(",", ".") for word in words] if separator == ";" else words

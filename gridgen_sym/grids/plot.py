@@ -12,7 +12,7 @@ import numpy as np
 
 from ..atomic import write_bytes
 from ..errors import GridgenError, MissingExtraError
-from .grid import FloatArray, Grid
+from .grid import FloatArray, Grid, check_grid
 from .quality import quality
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def plot_grid(
         MissingExtraError: if Matplotlib is not installed.
         GridgenError: if the picture's suffix is unknown or it cannot be written.
     """
+    check_grid(grid)
     if ax is None:
         ax = _figure(grid).add_subplot()
     draw_grid(ax, grid, title)
@@ -72,6 +73,10 @@ def plot_grids(
     """
     if not grids or columns < 1:
         raise GridgenError(f"a picture in panels needs a grid and a column, but has {len(grids)} and {columns}")
+    for pair in grids:
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise GridgenError(f"a picture in panels takes pairs of a title and a grid; came {pair!r}")
+        check_grid(pair[1])
     across = min(columns, len(grids))
     down = -(-len(grids) // across)
     figure = new_figure(3.6 * across, 3.6 * down)

@@ -85,8 +85,8 @@ class Quality:
         """Say how many cells are folded and where the first `limit` of them are (indices and centers)."""
         if self.valid:
             return f"valid: no folded cell among {self.cells}"
-        noun = "cell is" if self.folded_cells == 1 else "cells are"
-        lines = [f"not valid: {self.folded_cells} of {self.cells} {noun} folded (J <= 0 at a corner)"]
+        verb = "is" if self.folded_cells == 1 else "are"
+        lines = [f"not valid: {self.folded_cells} of {self.cells} cells {verb} folded (J <= 0 at a corner)"]
         for (i, j), (x, y) in zip(self.folded[:limit], self.folded_centers[:limit], strict=True):
             lines.append(f"  cell ({i}, {j}) round ({x:.6g}, {y:.6g})")
         rest = self.folded_cells - max(limit, 0)

@@ -179,7 +179,7 @@ class Weight:
             raise GridgenError(
                 f"the weight must not be negative: it is {value.min():.6g} at node ({i}, {j}), x = {x[i, j]:.6g}, "
                 f"y = {y[i, j]:.6g}, and the energy has no lower bound then. Add at least {-value.min():.6g} to it, "
-                "take its absolute value, or insist with Weight(..., allow_negative=True)"
+                "take its absolute value, or insist with Weight(..., allow_negative=True) (--allow-negative-weight)"
             )
 
     def _derivative(self, along: str, x: Array, y: Array) -> Array:
@@ -212,9 +212,11 @@ def _real(values: npt.ArrayLike) -> Array:
     """Return values as an array of real numbers.
 
     Raises:
-        GridgenError: for complex numbers, text or ragged lists.
+        GridgenError: for complex numbers, text, ragged lists or masked numbers.
     """
     try:
+        if np.ma.is_masked(values):
+            raise TypeError("some of them are masked; fill them")
         array = np.asarray(values)
         if array.dtype.kind not in "biuf":
             raise TypeError(f"numbers of type {array.dtype} came")

@@ -10,11 +10,13 @@ import numpy as np
 import sympy
 from sympy import Expr, Symbol
 
-from .coordinates import x_eta, x_xi, y_eta, y_xi
+from .coordinates import FIRST_DERIVATIVES, METRIC, x_eta, x_xi, y_eta, y_xi
 
 #: Random points on which a claim is tried before and, where no proof is found, instead of a proof.
 SAMPLES = 20_000
 _ROUND_OFF = 1e-9
+#: No algebra is tried where numerators have a higher degree in the first derivatives: it would take minutes, or hours.
+_HIGHEST = 12
 _HUGE = 1e100  # beyond this, products of entries overflow: such points tell nothing
 
 
@@ -39,7 +41,7 @@ def semidefinite(matrix: sympy.Matrix, *, nonnegative: Iterable[Symbol] = ()) ->
     First random points try to refute it; then Gaussian elimination with pivots whose sign is read off their
     factors (a factor is non-negative if it is an even power, has only even powers with positive coefficients, or
     is a positive semidefinite quadratic form). A matrix that turns with the physical plane is looked at in the
-    frame with y_xi = 0 only.
+    frame with y_xi = 0 only. Where the entries are of a high degree the random points alone decide.
 
     Args:
         matrix: symmetric, of rational expressions.
@@ -51,6 +53,8 @@ def semidefinite(matrix: sympy.Matrix, *, nonnegative: Iterable[Symbol] = ()) ->
     refuted = _refute(matrix, symbols, nonnegative)
     if refuted is not None:
         return refuted
+    if is_high(matrix):
+        return Definiteness(holds=True, proof="sampled")
     rational, positive = without_functions(_in_frame(matrix))
     proved = _eliminate(rational, (*nonnegative, *positive))
     return Definiteness(holds=True, proof="proved" if proved else "sampled")
@@ -76,6 +80,21 @@ def without_functions(matrix: sympy.Matrix) -> tuple[sympy.Matrix, tuple[Symbol,
         if is_exponential:
             positive.append(stand_in)
     return matrix, tuple(positive)
+
+
+def is_high(expressions: Iterable[Expr]) -> bool:
+    """Return whether an expression is of so high a degree that algebra in the first derivatives would take minutes."""
+    return max(map(_degree, expressions)) > _HIGHEST
+
+
+def _degree(expression: Expr) -> int:
+    """Return a bound of the degree of the numerator in the first derivatives."""
+    if expression.is_Symbol:
+        return 1 if expression in FIRST_DERIVATIVES else 2 if expression in METRIC else 0
+    of_parts = [_degree(part) for part in expression.args]
+    if _is_rational_power(expression):
+        return max(0, int(expression.exp)) * of_parts[0]
+    return sum(of_parts) if expression.is_Mul else max(of_parts, default=0)
 
 
 def _is_rational_power(part: Expr) -> bool:

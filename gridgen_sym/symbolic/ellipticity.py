@@ -44,6 +44,11 @@ class Ellipticity:
     witness: tuple[tuple[Symbol, Expr], ...] = ()
     samples: int = SAMPLES
 
+    @property
+    def how_known(self) -> str:
+        """How the type is known, in words: what is refuted is that the equations are elliptic."""
+        return "shown by an exact witness" if self.proof == "refuted" else self.proof
+
 
 def ellipticity(matrix: sympy.Matrix, *, rotates: bool, turns: bool, positive: tuple[Symbol, ...]) -> Ellipticity:
     """Decide the type of a principal symbol where J > 0.

@@ -9,7 +9,7 @@ from sympy import Expr
 
 from ..functionals.metric import symbol
 from .coordinates import METRIC, J, epsilon, g11, g12, g22, x_eta, x_xi, y_eta, y_xi
-from .definiteness import almost_everywhere, without_functions
+from .definiteness import almost_everywhere, is_high, without_functions
 from .discrete import hessian
 
 k1, k2 = symbol("k1"), symbol("k2")
@@ -80,6 +80,6 @@ def _metric_basis() -> sympy.polys.polytools.GroebnerBasis:
 
 
 def is_large(matrix: sympy.Matrix) -> bool:
-    """Return whether algebra would take minutes: too many operations, or roots, which stand-ins multiply."""
+    """Return whether algebra would take minutes: many operations, a high degree, or roots, which stand-ins multiply."""
     roots = any(not power.exp.is_Integer for power in matrix.atoms(sympy.Pow))
-    return roots or bool(sympy.count_ops(matrix) > _PROOF_LIMIT)
+    return roots or is_high(matrix) or bool(sympy.count_ops(matrix) > _PROOF_LIMIT)

@@ -132,7 +132,7 @@ def expanded_form(derived: EulerLagrange, row: int) -> Quasilinear:
 
 def _classification(found: Classification) -> Iterator[Item]:
     linear, coupled, kind = found.words()
-    yield f"The Euler-Lagrange equations are {linear}, {coupled} and {kind} ({found.ellipticity.proof})."
+    yield f"The Euler-Lagrange equations are {linear}, {coupled} and {kind} ({found.ellipticity.how_known})."
     if found.ellipticity.witness:
         values = ", ".join(f"{name} = {value}" for name, value in found.ellipticity.witness)
         yield f"Witness of det A < 0 with J > 0: {values}."

@@ -10,11 +10,12 @@ from sympy import Expr, Symbol
 
 from ..functionals.metric import symbol
 from .coordinates import SECOND_DERIVATIVES, expand_metric, g11, g22
+from .definiteness import is_high
 from .reduction import in_metric
 
 #: More operations than this, and an expression is left as it was derived: factoring it would take too long.
 _LARGEST = 600
-#: The metric is written out in expressions up to this size only: factors in four variables take long.
+#: The metric is written out up to this size, and where the degree is not high: factors in four variables take long.
 _LARGEST_WRITTEN = 100
 _TRACE = symbol("trace")
 
@@ -29,7 +30,7 @@ def tidy(expression: Expr) -> Expr:
         return expression
     traced = sympy.factor(expression.subs(g11, _TRACE - g22)).subs(_TRACE, g11 + g22)
     single = [sympy.factor(expression), traced]
-    if size <= _LARGEST_WRITTEN:
+    if size <= _LARGEST_WRITTEN and not is_high([expression]):
         single.append(in_metric(sympy.factor(expand_metric(expression))))
     return min((expression, *map(sympy.factor_terms, single)), key=sympy.count_ops)
 

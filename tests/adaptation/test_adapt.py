@@ -310,6 +310,8 @@ def test_nothing_to_adapt_to_leaves_a_uniform_grid():
     result = gg.adapt(square(17), "0*x + 3")
     assert result.converged
     assert farthest(result.grid, square(17)) < 1e-8
+    assert "The solution is 3 at every node: there is nothing to adapt to." in result.message
+    assert "nothing to adapt" not in gg.adapt(square(17), "x", steps=1).message
 
 
 def test_a_folded_start_is_untangled_and_a_hopeless_one_refused():
@@ -383,6 +385,47 @@ def test_a_folded_start_that_cannot_be_untangled_in_time_is_refused():
         gg.adapt(gg.Grid(xy), ring, time_limit=1e-9)
 
 
+def test_the_callback_and_the_time_limit_stop_it():
+    seen = []
+
+    def stop(step):
+        seen.append(step)
+        if step.step == 2:
+            raise StopIteration
+
+    stopped = gg.adapt(square(17), ring, callback=stop)
+    assert (stopped.interrupted, stopped.converged) == (True, False)
+    assert stopped.history == tuple(seen)
+    assert stopped.grid == gg.adapt(square(17), ring, steps=2).grid
+    assert "the callback stopped it; this is the last grid" in stopped.message
+    at_once = gg.adapt(square(17), ring, time_limit=1e-9)
+    assert at_once.grid == square(17)
+    assert "the time limit of 1e-09 seconds is over; this is the last grid" in at_once.message
+
+
+def test_an_error_on_the_way_holds_the_last_grid():
+    def fail(step):
+        if step.step == 2:
+            raise LookupError("mine")
+
+    with pytest.raises(LookupError, match="mine") as caught:
+        gg.adapt(square(17), ring, callback=fail)
+    assert caught.value.result.grid == gg.adapt(square(17), ring, steps=2).grid
+    assert "'result' holds the last adapted grid" in caught.value.__notes__[0]
+    grids = []
+
+    def diverges(grid):
+        grids.append(grid)
+        if len(grids) == 3:
+            raise ArithmeticError
+        return ring(grid.x, grid.y)
+
+    with pytest.raises(gg.GridgenError, match="step 2") as caught:
+        gg.adapt(square(17), diverges)
+    assert caught.value.result.grid == grids[1]
+    assert len(caught.value.result.history) == 2
+
+
 # ---- refusals ----
 
 
@@ -426,5 +469,7 @@ def test_solutions_that_cannot_be_used_are_refused(solution, match):
 
 
 def test_a_start_that_is_no_grid_is_refused():
+    with pytest.raises(gg.GridgenError, match="underflow to zero: scale it"):
+        gg.adapt(gg.Grid(square(9).xy * 1e-160), ring)
     with pytest.raises(gg.GridgenError, match="expected a Grid, came ndarray"):
         gg.adapt(square(9).xy, ring)

@@ -82,6 +82,7 @@ def test_real_types_are_taken(dtype):
         (lattice(5, 2), "came with 5 x 2"),
         (lattice().astype(complex), "complex128"),
         (lattice().astype(str), "real numbers"),
+        (np.ma.masked_equal(lattice(), 0), "masked"),
         ([[1.0], [1.0, 2.0]], "real numbers"),
         (None, "came with"),
         ("grid", "real numbers"),

@@ -54,14 +54,17 @@ def test_nodes_stand_at_equal_arc_length():
     assert np.arctan2(bottom[:, 1], bottom[:, 0]) == pytest.approx(np.linspace(0, np.pi / 2, 11), abs=1e-4)
 
 
-def test_a_clockwise_curve_is_refused_or_run_backwards():
+def test_a_clockwise_curve_is_refused_or_run_backwards(capsys, monkeypatch):
+    monkeypatch.delenv("GRIDGEN_SYM_QUIET", raising=False)
     mirrored = SQUARE * [-1, 1]
     with pytest.raises(GridgenError, match=r"clockwise.*reorient=True"):
-        Outline(mirrored, CORNERS)
+        Outline(mirrored, CORNERS, reorient=False)
     for scale in (1e-200, 1e200):  # Areas that vanish or overflow.
         with pytest.raises(GridgenError, match="clockwise"):
-            Outline(scale * mirrored, CORNERS)
-    outline = Outline(mirrored, CORNERS, reorient=True)
+            Outline(scale * mirrored, CORNERS, reorient=False)
+    assert not capsys.readouterr().err
+    outline = Outline(mirrored, CORNERS)
+    assert "runs clockwise, and is taken backwards from corner 1: bottom and top stay" in capsys.readouterr().err
     assert outline.corners == (0, 2, 4, 5)
     assert outline.points[list(outline.corners)].tolist() == [[-2, 0], [0, 0], [0, 2], [-2, 2]]
     bottom, top, left, right = outline.sides(3, 3)
@@ -70,34 +73,52 @@ def test_a_clockwise_curve_is_refused_or_run_backwards():
     assert (left[:, 0] == -2).all()
     assert (right[:, 0] == 0).all()
     assert quality(outline.grid(4, 4)).valid
-    assert Outline(SQUARE, CORNERS, reorient=True) == Outline(SQUARE, CORNERS)
+    assert Outline(SQUARE, CORNERS, reorient=False) == Outline(SQUARE, CORNERS)
+    rolled = Outline(np.roll(mirrored, 2, axis=0), [(corner + 2) % 6 for corner in CORNERS])
+    assert rolled == outline
+    capsys.readouterr()
+    assert quality(Outline(mirrored, "auto").grid(4, 4)).valid
+    assert capsys.readouterr().err == "gridgen_sym: the outline 'outline' runs clockwise, and is taken backwards\n"
 
 
 @pytest.mark.parametrize(
     ("corners", "listed"),
     [
-        ((0, 3, 2, 4), "0.0, 3.0, 2.0, 4.0"),
-        ((0, 2, 2, 4), "0.0, 2.0, 2.0, 4.0"),
-        ((1, 2, 3, 4), "roll the points"),
-        ((0, 2, 3, 6), "6.0"),
-        ((0, 2, 3), "0.0, 2.0, 3.0"),
+        ((0, 3, 2, 4), r"\[0, 3, 2, 4\]"),
+        ((0, 2, 2, 4), r"\[0, 2, 2, 4\]"),
+        ((0, 2, 3, 6), r"from 0 to 5.*6\]"),
+        ((0, 2, 3, -1), "-1"),
+        ((0, 2, 3), r"\[0, 2, 3\]"),
         ((0, 1.5, 3, 4), "1.5"),
         ((0, 2, 3, np.nan), "nan"),
         ((0, 2, 3, np.inf), "inf"),
     ],
 )
-def test_corners_must_increase(corners, listed):
-    with pytest.raises(GridgenError, match=f"four increasing indices.*{listed}"):
+def test_corners_follow_each_other(corners, listed):
+    with pytest.raises(GridgenError, match=f"four different indices.*{listed}"):
         Outline(SQUARE, corners)
+
+
+def test_the_first_corner_comes_first():
+    outline = Outline(SQUARE, (4, 5, 0, 2))
+    assert outline.corners == (0, 1, 2, 4)
+    assert outline.points.tolist() == np.roll(SQUARE, 2, axis=0).tolist()
 
 
 def test_repeated_points_are_named():
     doubled = np.insert(SQUARE, 3, SQUARE[3], axis=0)
     with pytest.raises(GridgenError, match=r"3 and 4 are both \[2.0, 2.0\]; remove point 4"):
         Outline(doubled, CORNERS)
-    closed = np.concatenate((SQUARE, SQUARE[:1]))
-    with pytest.raises(GridgenError, match=r"remove point 6 \(a closed curve does not repeat"):
-        Outline(closed, CORNERS)
+
+
+def test_a_closed_curve_may_repeat_its_first_point():
+    for copies in (1, 2):
+        closed = np.concatenate((SQUARE, np.repeat(SQUARE[:1], copies, axis=0)))
+        assert Outline(closed, CORNERS) == Outline(SQUARE, CORNERS)
+    with pytest.raises(GridgenError, match="N >= 4"):
+        Outline([(0, 0)] * 5, "auto")
+    with pytest.raises(GridgenError, match=r"came with \(0,\)"):
+        Outline([], "auto")
 
 
 @given(st.integers(0, 5), st.integers(0, 1), st.sampled_from([np.nan, np.inf, -np.inf]))
@@ -191,16 +212,17 @@ def test_reading_and_writing(tmp_path):
         ("# corners: 0 1 2 3\n", "", "has no corners; add a line like"),
         ("0 1 2 3", "0 1 2", "line 2 has the corners '0 1 2'"),
         ("0 1 2 3", "0 1 2 b", "line 2 has the corners"),
-        ("0 1 2 3", "0 2 1 3", "four increasing indices"),
+        ("0 1 2 3", "0 2 1 3", "four different indices"),
         ("x,y", "y,x", "line 4 is 'y,x'; expected the header"),
-        ("x,y\n", "", "line 4 is '0,0'; expected the header"),
+        ("x,y", "lon,lat", "line 4 is 'lon,lat'; expected the header 'x,y'"),
+        ("x,y", "x,y,z", "line 4 is 'x,y,z'; expected the header 'x,y'"),
+        ("x,y", "NACA 0012", "put # before any other"),
         ("1,1", "1;1", "line 7 is '1;1'"),
         ("1,1", "1,1,1", "line 7 is"),
         ("1,1", "one,1", "line 7 is"),
         ("1,1", "nan,1", "point 2 is"),
         ("1,1\n", "", "N >= 4"),
         ("1,1\n0,1", "0,1\n1,1", "crosses or touches itself"),
-        ("1,0\n1,1\n0,1", "0,1\n1,1\n1,0", "clockwise"),
         (TEXT[TEXT.index("x,y") :], "", "has no points"),
         (TEXT, "\x00\x01\x02", "line 1 is"),
         (TEXT, "", "the file is empty"),
@@ -215,10 +237,29 @@ def test_a_malformed_file_is_an_error_with_its_path(tmp_path, old, new, message)
     assert str(path) in str(caught.value)
 
 
-def test_read_can_reorient(tmp_path):
+def test_read_turns_a_clockwise_curve(tmp_path):
     path = tmp_path / "clockwise.csv"
     path.write_text(TEXT.replace("1,0\n1,1\n0,1", "0,1\n1,1\n1,0"))
-    assert quality(Outline.read(path, reorient=True).grid(3, 3)).valid
+    assert quality(Outline.read(path).grid(3, 3)).valid
+    with pytest.raises(GridgenError, match=f"{path}.*clockwise"):
+        Outline.read(path, reorient=False)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        "0,0\n1.5,0\n1,1\n0,1",
+        "x, y\n0, 0\n 1.5,0\n1 ,1\n0,1\n0,0",
+        '"x";"y"\n0;0\n1,5;0\n1;1\n0;1',
+        "X\tY\n0\t0\n1.5\t0\n1\t1\n0\t1",
+        "  0.0  0.0\n  1.5e+00  0.0\n\n  1  1\n  0   1",
+        "\ufeffx y\r\n0 0\r\n1.5 0\r\n1 1\r\n0 1\r\n",
+    ],
+)
+def test_columns_are_read_as_programs_write_them(tmp_path, points):
+    (tmp_path / "box.dat").write_text(points, encoding="utf-8", newline="")
+    outline = Outline.read(tmp_path / "box.dat", corners=(0, 1, 2, 3))
+    assert outline.points.tolist() == [[0, 0], [1.5, 0], [1, 1], [0, 1]]
 
 
 def test_missing_files(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 
@@ -88,6 +89,16 @@ def test_axes_of_the_caller():
     assert plot_grid(domain("square", 4, 4), ax=inner) is figure
 
 
+def test_what_is_no_grid_is_refused():
+    for draw, match in (
+        (lambda: plot_grid(domain("square", 4, 4).xy), "expected a Grid, came ndarray"),
+        (lambda: plot_grids([("a", domain("square", 4, 4).xy)]), "expected a Grid, came ndarray"),
+        (lambda: plot_grids([domain("square", 4, 4)]), "takes pairs of a title and a grid; came Grid"),
+    ):
+        with pytest.raises(GridgenError, match=match):
+            draw()
+
+
 def test_degenerate_grids_are_drawn_without_warnings(tmp_path):
     for xy in (
         np.ones((3, 3, 2)),
@@ -124,5 +135,8 @@ def test_pyplot_is_not_loaded():
 def test_without_matplotlib_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     for draw in (lambda g: plot_grid(g), lambda g: plot_grids([("a", g)])):
-        with pytest.raises(MissingExtraError, match=r"gridgen-sym\[plot\]"):
+        with pytest.raises(MissingExtraError, match=r"gridgen-sym\[plot\]") as caught:
             draw(domain("square", 4, 4))
+    back = pickle.loads(pickle.dumps(caught.value))  # As from a worker process, whose pool would break otherwise.
+    assert type(back) is MissingExtraError
+    assert str(back) == str(caught.value)

@@ -53,6 +53,7 @@ def test_a_reflex_corner_is_folded_and_its_angle_is_over_180():
     report = quality(Grid(xy))
     assert report.folded_cells == 1
     assert report.folded.tolist() == [[0, 0]]
+    assert report.describe_folds().startswith("not valid: 1 of 9 cells is folded")
     assert report.folded_centers == pytest.approx(np.array([[0.35, 0.35]]))
     assert report.min_jacobian == pytest.approx(-0.2)
     assert report.max_angle == pytest.approx(360 - np.degrees(np.arccos(-0.48 / 0.52)))

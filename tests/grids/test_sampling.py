@@ -234,7 +234,7 @@ def test_corners_marked_as_in_pygridgen():
 @pytest.mark.parametrize(
     ("corners", "sampling", "message"),
     [
-        ((0, 4, 6, 8), "features", "from 0 to 7, counter-clockwise, but are"),
+        ((0, 4, 6, 8), "features", "from 0 to 7, in the order of the points, but are"),
         ((0, 6, 4, 7), "features", "four different indices"),
         ((0, 4, 4, 7), "features", "four different indices"),
         ((0, 4, 7), "features", "four different indices"),

@@ -229,6 +229,7 @@ def test_a_formula_that_is_none_is_refused_with_its_text(weighed, formula):
             "text in an array": np.full((9, 8), "a"),
             "a dictionary": {},
             "complex numbers": np.ones((9, 8), dtype=complex),
+            "masked numbers": np.ma.masked_less(np.eye(9, 8), 0.5),
             "a function that gives text": lambda x, y: "a",
             "a function of one argument": lambda x: x,
             "a function that gives ragged lists": lambda x, y: [[1, 2], [1]],

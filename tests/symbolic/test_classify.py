@@ -10,8 +10,12 @@ from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.functionals.metric import symbol
 from gridgen_sym.symbolic import classify
 from gridgen_sym.symbolic.classify import equation_type
-from gridgen_sym.symbolic.coordinates import METRIC, J, expand_metric, g11, g12, g22
-from gridgen_sym.symbolic.principal_symbol import k1, k2
+from gridgen_sym.symbolic.coordinates import METRIC, J, expand_metric, g11, g12, g22, x_xi
+from gridgen_sym.symbolic.definiteness import is_high
+from gridgen_sym.symbolic.discrete import corner_model
+from gridgen_sym.symbolic.invariance import is_rotation_invariant
+from gridgen_sym.symbolic.principal_symbol import is_large, k1, k2, principal_symbol
+from gridgen_sym.symbolic.tidy import tidy
 
 # linear, coupled, type, proof, scaling degree, lower bound, barrier
 KNOWN = {
@@ -69,6 +73,7 @@ def test_witness_is_exact(name):
     assert all(value.is_Rational for value in witness.values())
     assert METRIC[J].subs(witness) > 0
     assert expand_metric(found.determinant).subs(witness) < 0
+    assert found.ellipticity.how_known == "shown by an exact witness"  # Refuted is that it is elliptic.
 
 
 @pytest.mark.parametrize(
@@ -123,6 +128,23 @@ def test_invariances_can_fail():
 def test_functions_never_raise(density):
     found = classify(Functional("other", density))
     assert found.ellipticity.proof in ("proved", "refuted", "sampled")
+
+
+def test_densities_of_a_high_degree_are_sampled_and_not_worked_on_for_hours():
+    """The numerators that would decide on (g11 + g22 + g12)**10 have thousands of terms."""
+    density, high = "g11 + g22 + g12", "(g11 + g22 + g12)**10"
+    assert corner_model(Functional("low", density), "plain").splitting.proof == "proved"
+    assert corner_model(Functional("high", high), "plain").splitting.proof == "sampled"
+    expression = (g11 + g22 + g12) ** 10
+    assert is_rotation_invariant(expression)
+    assert is_large(principal_symbol(expression))
+    assert tidy(sympy.diff(expression, g11)).has(g12)
+
+
+def test_the_degree_is_that_of_numerators():
+    assert not is_high([(g11 + g22) ** 6 / J**90, sympy.exp(x_xi**12)])
+    assert is_high([sympy.S.One, 2 * x_xi * (g11 + g22) ** 6])
+    assert is_high([sympy.exp(x_xi**13)])
 
 
 @pytest.mark.parametrize("variant", ["frozen", "differentiated"])
