@@ -111,6 +111,12 @@ def test_bad_input_exits_with_2_and_says_what_to_do(arguments, match, tmp_path):
     assert match in run(*arguments, code=2)
 
 
+def test_a_time_limit_leaves_the_last_grid_and_is_no_failure():
+    said = run("square", "--to", RING, "--size", 10, 10, "--time-limit", "1e-9", "-o", "a.vts")
+    assert "the time limit of 1e-09 seconds is over" in said
+    assert gg.read("a.vts") == gg.domain("square", 11, 11)
+
+
 def test_an_outline_and_parameters():
     text = "# corners: 1 2 3 0\n0,1\n0,0\n2,0\n2,1\n"
     Path("box.csv").write_text(text)
@@ -120,12 +126,6 @@ def test_an_outline_and_parameters():
     run("box.csv", "--to", "tanh(9*x)", "--size", 6, 6, "--steps", 1, "--parameter", "k=1", "-o", "c.vts")
     assert gg.read("b.vts") != gg.read("c.vts")
     assert "has no parameter 'q'" in run("square", "--to", "x", "--parameter", "q=1", code=2)
-
-
-def test_a_time_limit_leaves_the_last_grid_and_is_no_failure():
-    said = run("square", "--to", RING, "--size", 10, 10, "--time-limit", "1e-9", "-o", "a.vts")
-    assert "the time limit of 1e-09 seconds is over" in said
-    assert gg.read("a.vts") == gg.domain("square", 11, 11)
 
 
 def test_an_interrupted_adaptation_writes_its_last_grid_and_exits_with_130(monkeypatch):

@@ -73,14 +73,14 @@ def adapt(
         boundary: `straight`: nodes slide along straight sides, where that changes no shape; `all`: along the polygon
             of every side, which cuts off what little lies between two nodes; `fixed`: they stay. Corners always stay.
         fixed: (ni, nj) mask of inner nodes that do not move; a side with such nodes does not slide.
-        callback: called with every `AdaptStep`; may raise StopIteration to end the adaptation.
-        time_limit: seconds after which the adaptation ends; your solver is not interrupted.
+        callback: called with every `AdaptStep`; may raise StopIteration to stop.
+        time_limit: seconds after which to stop. Your own solver is not stopped while it works.
         progress: show progress on standard error; by default where that is a terminal.
         backend: `c` or `numpy`.
 
     Returns:
-        The result; see its `converged` and `message`. After Ctrl-C, when the time is over or the callback ends it, it
-        is the last grid whose solution is known.
+        The result; see its `converged` and `message`. Ctrl-C, the callback and the time limit give the last grid whose
+        solution is known.
 
     Raises:
         GridgenError: for input that cannot be used, for a folded start that cannot be untangled, and for a solution
@@ -97,7 +97,7 @@ def adapt(
     sides = sliding_sides(start, boundary, fixed)
     mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides, deadline)
     run = _Run(source, as_monitor(monitor), mover, start)
-    with Live(f"adapt, {definition.name}", callback, progress) as live:
+    with Live(f"adapt, {definition.name}", callback, progress, deadline) as live:
         converged, stopped_by, message = run.until_ended(steps, moves or source.moves, tolerance, live)
     return run.result(converged, said + message, stopped_by)
 
@@ -129,11 +129,11 @@ class _Run:
             return False, "Ctrl-C", f"it was interrupted; {last}"
         except Exception as error:
             if self.history:
-                error.result = self.result(False, f"an error ended it; {last}", None)  # type: ignore[attr-defined]
+                error.result = self.result(False, f"an error stopped it; {last}", "callback")  # type: ignore[attr-defined]
                 error.add_note("Its attribute 'result' holds the last adapted grid whose solution is known.")
             raise
 
-    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, None, str]:
+    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
         """Adapt until nothing moves, for so many steps at most."""
         live.tell(self._take(self.start, 0.0))
         for _ in range(steps):

@@ -17,10 +17,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .conflict import Conflict, find_conflict
+from .conflict import WORK, Conflict, find_conflict
 from .grid import FloatArray, Grid, boundary_indices, check_grid
 from .neck import Node, crowded_nodes
-from .places import nodes_of
+from .network import nodes_of
 from .polygon import first_repeated, inner_angles, proper_crossings, turns, winding_number
 from .predicates import area_sign, orientation
 
@@ -65,7 +65,7 @@ class Certificate:
 
 
 def certificates(
-    grid: Grid, *, search: bool = False, check: Callable[[], object] | None = None
+    grid: Grid, *, search: bool = False, work: int = WORK, check: Callable[[], object] | None = None
 ) -> tuple[Certificate, ...]:
     """Return proofs that the boundary nodes of a grid, which do not move, admit no grid without a folded cell.
 
@@ -75,8 +75,9 @@ def certificates(
     Args:
         grid: any grid with the boundary in question, such as `transfinite(bottom, top, left, right)`.
         search: where there is no certificate otherwise, search near the folded cells of `grid` for cells that cannot
-            all be valid. It takes seconds at most, and finds most on the least folded grid, as `untangle` returns it.
-        check: called before the search; what it raises ends the search.
+            all be valid. It finds most on the least folded grid, as `untangle` returns it.
+        work: how many steps each of the few attempts of the search may take, some 50 microseconds each.
+        check: called again and again during the search; what it raises ends it.
 
     Raises:
         GridgenError: if `grid` is no Grid.
@@ -84,9 +85,7 @@ def certificates(
     check_grid(grid)
     found = _quick(grid)
     if search and not found:
-        if check is not None:
-            check()
-        conflict = find_conflict(grid)
+        conflict = find_conflict(grid, work, check)
         found = [_conflict(grid, conflict)] if conflict else []
     return tuple(found)
 

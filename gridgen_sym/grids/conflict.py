@@ -8,23 +8,26 @@ of cases, whose every leaf must be a contradiction.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
+from .cuts import halves
 from .grid import FloatArray, Grid, corner_jacobians
-from .lattice import Polygon, doubled_area, halves
+from .lattice import Polygon, doubled_area
 from .neck import Node
-from .places import Network, OutOfWork, Place, Places
+from .network import Network, OutOfWork
+from .places import Place, Places
 
-#: Rules that may be used in one attempt to find a proof.
-WORK = 20_000
+#: Rules that may be used in one attempt to find a proof: for a first look, and where nothing else helps.
+LITTLE_WORK, WORK = 10_000, 100_000
 #: To show that still fewer cells conflict: so many times the work of the proof that is known.
 _PATIENCE = 2
 #: Of so many nodes, those with the largest places, these are cut in halves to see what that tells. Area knows no
 #: direction, so that a thin band is like any other.
-_TRIED = 8
+_TRIED = 15
 #: Cells up to so many cells from a folded one are looked at, at first and then.
 _LAYERS = (3, 9)
 
@@ -42,13 +45,14 @@ class Conflict:
     work: int
 
 
-def find_conflict(grid: Grid, work: int = WORK) -> Conflict | None:
+def find_conflict(grid: Grid, work: int = WORK, check: Callable[[], object] | None = None) -> Conflict | None:
     """Search near the folded cells of a grid for a proof that no valid grid has its boundary nodes.
 
     Args:
         grid: any grid; its folds are hints where to search, and the less folded it is, the better. Where its inner
             nodes are does not matter otherwise.
         work: how many rules may be used in each of a few attempts, which bounds the time.
+        check: called again and again; what it raises ends the search.
 
     Returns:
         Cells that conflict, as few as are found. None if no proof was found.
@@ -58,16 +62,21 @@ def find_conflict(grid: Grid, work: int = WORK) -> Conflict | None:
         cells = _near_folds(grid, layers)
         for cases in (False, True):
             if cells and cells != before:
-                found = contracted_places(grid, cells, work, cases=cases)
+                found = contracted_places(grid, cells, work, cases=cases, check=check)
                 if isinstance(found, Conflict):
-                    return _fewest(grid, found, cases)
+                    return _fewest(grid, found, cases, check)
         before = cells
     return None
 
 
 def contracted_places(
-    grid: Grid, cells: Iterable[Node] | None = None, work: int = WORK, *, cases: bool = True
-) -> dict[Node, FloatArray] | Conflict:
+    grid: Grid,
+    cells: Iterable[Node] | None = None,
+    work: int = LITTLE_WORK,
+    *,
+    cases: bool = True,
+    check: Callable[[], object] | None = None,
+) -> dict[Node, tuple[FloatArray, ...]] | Conflict:
     """Return where each inner node of some cells lies in every valid grid with the same boundary nodes, or a proof.
 
     Args:
@@ -75,24 +84,30 @@ def contracted_places(
         cells: each by its first node (i, j); all cells if None. Only what these say is used.
         work: how many rules may be used.
         cases: False to look at corners only, and to tell no cases apart: this is quick, and proves less.
+        check: called again and again; what it raises ends the work.
 
     Returns:
-        For each inner node of the cells a convex polygon (n, 2), counter-clockwise, that contains it; a node may have
-        places in it that are impossible. Or the cells that conflict.
+        For each inner node of the cells convex polygons (n, 2), counter-clockwise, the largest first: one of them
+        contains it, if perhaps not everywhere. Or the cells that conflict.
     """
     ni, nj = grid.shape
     every = [(i, j) for i in range(ni - 1) for j in range(nj - 1)]
-    network = Network(grid, every if cells is None else cells, work, sight=cases)
+    network = Network(grid, every if cells is None else cells, work, sight=cases, check=check)
     places = network.start.copy()
     try:
         why = network.contract(places)
+        if why is None and cases:
+            why = network.divide(places)
         if why is None and cases:
             why = _contradiction(network, places)
     except OutOfWork:
         why = None
     if why is not None:
         return Conflict(network.named(why), work - network.work)
-    return {node: network.lattice.coordinates(places[node].region) for node in network.free}
+    return {
+        node: tuple(map(network.lattice.coordinates, sorted(places[node].parts, key=doubled_area, reverse=True)))
+        for node in network.free
+    }
 
 
 def _near_folds(grid: Grid, layers: int) -> set[Node]:
@@ -133,10 +148,10 @@ def _tell_apart(network: Network, places: Places) -> int | list[Places] | None:
     learned = True
     while learned:
         learned, best, most = False, None, 0.0
-        for node in sorted(network.free, key=lambda node: -doubled_area(places[node].region))[:_TRIED]:
+        for node in sorted(network.free, key=lambda node: -places[node].area)[:_TRIED]:
             cases: list[Places] = []
             impossible = 0
-            for half in halves(places[node].region, _across(places[node].region, frame)):
+            for half in _halves(places[node], frame):
                 case = places.copy()
                 case[node] = Place.of(half, places[node].cells | impossible)
                 why = network.contract(case, node)
@@ -163,8 +178,22 @@ def _learn(places: Places, case: Places, why: int) -> None:
 
 def _told(places: Places, case: Places) -> float:
     """Return how much smaller the places are in a case, as a sum of logarithms of areas."""
-    pairs = ((places[node].region, place.region) for node, place in case.items() if place is not places[node])
-    return sum(math.log(max(doubled_area(whole), 1)) - math.log(max(doubled_area(part), 1)) for whole, part in pairs)
+    pairs = ((places[node].area, place.area) for node, place in case.items() if place is not places[node])
+    return sum(math.log(max(whole, 1)) - math.log(max(part, 1)) for whole, part in pairs)
+
+
+def _halves(place: Place, frame: FloatArray) -> tuple[tuple[Polygon, ...], tuple[Polygon, ...]]:
+    """Return some parts of a place and the others; of a single part, its halves."""
+    dx, dy = along = _across(place.hull, frame)
+    if len(place.parts) == 1:
+        first, second = halves(place.hull, along)
+        return (first,), (second,)
+    parts = sorted(place.parts, key=lambda part: Fraction(sum(dx * y - dy * x for x, y in part), len(part)))
+    count, area = 1, doubled_area(parts[0])
+    while count < len(parts) - 1 and 2 * area < place.area:
+        area += doubled_area(parts[count])
+        count += 1
+    return tuple(parts[:count]), tuple(parts[count:])
 
 
 def _across(region: Polygon, frame: FloatArray) -> tuple[int, int]:
@@ -185,12 +214,12 @@ def _moments(region: Polygon) -> FloatArray:
     return np.asarray(np.cov(points.T))
 
 
-def _fewest(grid: Grid, conflict: Conflict, cases: bool) -> Conflict:
+def _fewest(grid: Grid, conflict: Conflict, cases: bool, check: Callable[[], object] | None) -> Conflict:
     """Leave out cells of a conflict as long as the others still conflict, and that is shown with as little work."""
     kept, each, left = conflict.cells, _PATIENCE * conflict.work, WORK
     for cell in conflict.cells:
         if cell in kept and left > 0:
-            fewer = contracted_places(grid, [other for other in kept if other != cell], each, cases=cases)
+            fewer = contracted_places(grid, [other for other in kept if other != cell], each, cases=cases, check=check)
             left -= fewer.work if isinstance(fewer, Conflict) else each
             kept = fewer.cells if isinstance(fewer, Conflict) else kept
     return Conflict(kept, conflict.work)

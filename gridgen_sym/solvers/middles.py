@@ -65,7 +65,7 @@ def _unfold_window(problem: Problem, coordinates: Array, window: tuple[slice, sl
 
 
 def _starts(window: Array, free: npt.NDArray[np.bool_]) -> Iterator[Array]:
-    """Return a window with every free node in the middle of its place, and its transfinite grid.
+    """Return a window with every free node in the middle of the largest part of its place, and its transfinite grid.
 
     There are none if its sides admit no valid grid.
     """
@@ -73,9 +73,9 @@ def _starts(window: Array, free: npt.NDArray[np.bool_]) -> Iterator[Array]:
     if isinstance(places, Conflict):
         return
     start = window.copy()
-    for node, polygon in places.items():
+    for node, parts in places.items():
         if free[node]:
-            start[:, *node] = polygon.mean(axis=0)
+            start[:, *node] = parts[0].mean(axis=0)
     yield start
     xy = window.transpose(1, 2, 0)
     yield np.where(free, transfinite(xy[:, 0], xy[:, -1], xy[0], xy[-1]).planes, window)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Literal
 
 import numpy.typing as npt
@@ -100,23 +101,16 @@ def optimize(
             if not run.make_valid():
                 return False, run.could_not_unfold()
             report.begin("minimize", grid.shape)
+            iterate: Callable[..., tuple[bool, str]] = partial(minimize, reference=run.reference)
             if method == "local":
-                return sweep_until_converged(
-                    run.problem,
-                    run.coordinates,
-                    report,
-                    tolerance=tolerance,
-                    max_iterations=limit,
-                    keep_valid=keep_valid,
-                )
-            return minimize(
+                iterate = sweep_until_converged
+            return iterate(
                 run.problem,
                 run.coordinates,
                 report,
                 tolerance=tolerance,
                 max_iterations=limit,
                 keep_valid=keep_valid,
-                reference=run.reference,
             )
 
         return run_to_result(solve, run.result, report)

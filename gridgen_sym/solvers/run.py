@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..functionals.definition import Functional
 from ..grids import Certificate, Grid, certificates, corner_jacobians, quality
+from ..grids.conflict import LITTLE_WORK, WORK
 from ..grids.grid import boundary_indices
 from ..grids.predicates import area_sign
 from ..runtime import Array
@@ -100,21 +101,23 @@ class Run:
         return valid
 
     def _lift_or_prove(self) -> bool:
-        """Lift what is folded from the middles of places, unless a proof says that this is in vain; return if valid."""
-        proofs = self._search()
+        """Lift what is folded from the middles of places, unless a proof says that this is in vain; return if valid.
+
+        The search for a proof is short at first, and long where lifting does not help, either.
+        """
+        proofs = self._search(LITTLE_WORK)
         if not proofs:
-            before = self.problem.folds(self.coordinates)
             if unfold_from_middles(self.problem, self.coordinates, self.report):
                 return True
-            if self.problem.folds(self.coordinates) < before:  # Which tells the search better where to look.
-                proofs = self._search()
+            proofs = self._search(WORK)
         self.proofs = proofs
         return False
 
-    def _search(self) -> tuple[Certificate, ...]:
+    def _search(self, work: int) -> tuple[Certificate, ...]:
         """Search for proofs that no valid grid has this boundary."""
         self.report.display("searching for a proof that there is no valid grid")
-        return certificates(Grid.from_planes(*self.coordinates), search=True, check=self.report.deadline.check)
+        grid = Grid.from_planes(*self.coordinates)
+        return certificates(grid, search=True, work=work, check=self.report.deadline.check)
 
     @property
     def _encloses_nothing(self) -> bool:

@@ -1,50 +1,30 @@
-"""From a folded grid to a valid one: minimise a barrier functional whose barrier is regularised, and sharpen it.
+"""From a folded grid to a valid one: the ways there, the cheapest first.
 
-The Jacobian J is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2, which is positive everywhere; epsilon is driven to
-zero while the energy is minimised (Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, "Foldover-free maps in
-50 lines of code"; Escobar et al. 2003). chi is a substitution in the derivation, so every barrier functional has it.
-
-The minima for falling epsilon lie on a path, and Newton's method follows it in large steps: epsilon falls by a
-constant factor. Where a valid grid exists the worst fold becomes shallower with epsilon, sooner or later; where none
-exists it tends to a depth that stays. Affine maps neither fold nor unfold, but no grid in a thin band is what these
-functionals like: what stays folded is tried again in coordinates in which the boundary extends evenly.
+Each follows the minima of a regularised barrier functional while it is sharpened (`continuation.py`): at the nodes
+round few folds, in windows round them, and everywhere. Affine maps neither fold nor unfold, but no grid in a thin band
+is what these functionals like: what stays folded is tried again in coordinates in which the boundary extends evenly.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from ..functionals.definition import Functional
-from ..runtime import Array, kernels
-from .folds import Folds, mean_jacobian
+from ..runtime import Array
+from .continuation import Lower, at_all_nodes, path
+from .folds import Folds
 from .frame import Frame, frames
-from .linear import hessian_solver
-from .newton import minimize
 from .nonlinear_elimination import sweep_standing_out
 from .point import Point
 from .problem import Problem
 from .progress import Progress
 from .windows import cut_out, folded_nodes, windows
 
-#: The first epsilon, over the depth of the worst fold and over the mean Jacobian: the larger of the two counts.
-_DEPTH, _SIZE = 0.2, 0.02
-#: Factor by which epsilon falls.
-_FALL = 0.3
-#: Progress has ended if in so many falls no cell is unfolded, and the worst fold is no shallower by this factor.
-_PATIENCE, _SHALLOWER = 3, 0.9
-#: For one epsilon: factor by which the gradient must fall, and Newton steps after which epsilon falls in any case.
-_TOLERANCE, _STEPS = 1e-2, 20
-#: Over the mean Jacobian: below this epsilon, rounding decides about signs.
-_SHARPEST = 1e-12
 #: Nodes round folds that are unfolded as a grid of their own, at first and then; no window is more than a part of all.
 _LAYERS = 6, 12
 #: Folded cells that are less than this part of all are tried by themselves before all nodes are moved.
 _FEW = 0.02
-
-
-#: Lowers the energy of a problem from given coordinates on, in place.
-_Lower = Callable[[Problem, Array], None]
 
 
 def unfold(
@@ -63,10 +43,11 @@ def unfold(
     Returns:
         Whether the grid is valid.
     """
-    search = _Search(problem, functional, parameters, progress, _Least(problem, coordinates.copy()))
+    start = coordinates.copy()
+    search = _Search(problem, functional, parameters, progress, start, _Least(problem, start))
     try:
         for way in (search.node_by_node, search.window_by_window, search.everywhere):
-            way(coordinates)
+            way()
             if search.done:
                 break
     finally:
@@ -101,6 +82,7 @@ class _Search:
     functional: Functional
     parameters: Mapping[str, float] | None
     progress: Progress
+    start: Array
     least: _Least
 
     @property
@@ -108,7 +90,7 @@ class _Search:
         """Whether no cell is left that moving free nodes may mend."""
         return not self.problem.folds(self.least.coordinates, mendable=True).cells
 
-    def node_by_node(self, start: Array) -> None:
+    def node_by_node(self) -> None:
         """Where few cells are folded, lower the energy at the nodes round them."""
 
         def lower(regular: Problem, place: Array) -> None:
@@ -117,9 +99,9 @@ class _Search:
             sweep_standing_out(point, self.progress.deadline, until_valid=True)
 
         if self.least.folds.cells < _FEW * self.problem.fixed.size:
-            self._follow(start, next(frames(start)), lower)
+            self._follow(next(frames(self.start)), lower)
 
-    def window_by_window(self, start: Array) -> None:
+    def window_by_window(self) -> None:
         """Unfold small parts of the least folded grid, each as a grid of its own."""
         for layers in _LAYERS:
             for window in windows(folded_nodes(self.least.coordinates, self.problem.fixed), layers):
@@ -131,76 +113,19 @@ class _Search:
                     whole[:, *window] = place
                     self.least.offer(whole)
 
-    def everywhere(self, start: Array) -> None:
+    def everywhere(self) -> None:
         """Lower the energy at all nodes, in every frame."""
         lower = at_all_nodes(self.problem, self.progress)
-        for frame in frames(start):
-            self._follow(start, frame, lower)
+        for frame in frames(self.start):
+            self._follow(frame, lower)
             if self.done:
                 break
 
-    def _follow(self, start: Array, frame: Frame, lower: _Lower) -> None:
-        """Follow the minima for falling epsilon from a start."""
-        place, fixed = frame.of(start), self.problem.fixed
+    def _follow(self, frame: Frame, lower: Lower) -> None:
+        """Follow the minima for falling epsilon from the start, in a frame."""
+        place, fixed = frame.of(self.start), self.problem.fixed
         try:
             for _ in path(self.problem, self.functional, place, self.parameters, lower):
-                self.least.offer(frame.back(place, start, fixed))
+                self.least.offer(frame.back(place, self.start, fixed))
         finally:  # Ctrl-C may come in the midst of a step.
-            self.least.offer(frame.back(place, start, fixed))
-
-
-def at_all_nodes(problem: Problem, progress: Progress) -> _Lower:
-    """Return what lowers the energy at all nodes of a problem, by Newton's method."""
-    solver = hessian_solver(problem.fixed, problem.kernels.backend)
-
-    def lower(regular: Problem, place: Array) -> None:
-        minimize(
-            regular,
-            place,
-            progress,
-            tolerance=_TOLERANCE,
-            max_iterations=_STEPS,
-            keep_valid=False,
-            until_valid=True,
-            semidefinite=True,
-            solver=solver,
-        )
-
-    return lower
-
-
-def path(
-    problem: Problem,
-    functional: Functional,
-    coordinates: Array,
-    parameters: Mapping[str, float] | None,
-    lower: _Lower,
-) -> Iterator[None]:
-    """Follow the minima for falling epsilon, changing `coordinates` in place, as long as that is progress."""
-    folds = [problem.folds(coordinates, mendable=True)]
-    size = mean_jacobian(coordinates)
-    epsilon = max(_DEPTH * folds[0].depth, _SIZE * size)
-    while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:]):
-        lower(regularized(problem, functional, parameters, epsilon), coordinates)
-        folds.append(problem.folds(coordinates, mendable=True))
-        epsilon *= _FALL
-        yield
-
-
-def _ended(folds: list[Folds]) -> bool:
-    """Return whether the last falls of epsilon were no progress over all before them."""
-    before, lately = folds[:-_PATIENCE], folds[-_PATIENCE:]
-    if not before:
-        return False
-    fewer = min(fold.cells for fold in lately) < min(fold.cells for fold in before)
-    shallower = min(fold.depth for fold in lately) < _SHALLOWER * min(fold.depth for fold in before)
-    return not (fewer or shallower)
-
-
-def regularized(
-    problem: Problem, functional: Functional, parameters: Mapping[str, float] | None, epsilon: float
-) -> Problem:
-    """Return the same problem with the regularised barrier, without a weight, over all corners."""
-    kernel_set = kernels(functional, "regularized", {**(parameters or {}), "epsilon": epsilon}, problem.kernels.backend)
-    # Its energy is finite everywhere, so the line search need not keep corners positive.
-    return Problem(replace(kernel_set, barrier=False), problem.fixed, None)
+            self.least.offer(frame.back(place, self.start, fixed))

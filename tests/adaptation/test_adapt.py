@@ -385,7 +385,7 @@ def test_a_folded_start_that_cannot_be_untangled_in_time_is_refused():
         gg.adapt(gg.Grid(xy), ring, time_limit=1e-9)
 
 
-def test_the_callback_ends_it():
+def test_the_callback_and_the_time_limit_stop_it():
     seen = []
 
     def stop(step):
@@ -397,8 +397,10 @@ def test_the_callback_ends_it():
     assert (stopped.interrupted, stopped.converged) == (True, False)
     assert stopped.history == tuple(seen)
     assert stopped.grid == gg.adapt(square(17), ring, steps=2).grid
-    assert stopped.stopped_by == "callback"
     assert "the callback stopped it; this is the last grid" in stopped.message
+    at_once = gg.adapt(square(17), ring, time_limit=1e-9)
+    assert at_once.grid == square(17)
+    assert "the time limit of 1e-09 seconds is over; this is the last grid" in at_once.message
 
 
 def test_an_error_on_the_way_holds_the_last_grid():
@@ -434,8 +436,8 @@ def test_an_error_on_the_way_holds_the_last_grid():
         ({"moves": 0}, "moves must be a whole number, at least 1; came 0"),
         ({"damping": 0}, "damping must be a number above 0 and at most 1; came 0"),
         ({"tolerance": 2}, "tolerance must be a number above 0"),
-        ({"callback": 3}, "callback must be a function of one AdaptStep; came 3"),
         ({"time_limit": 0}, "time_limit must be a positive number of seconds; came 0"),
+        ({"callback": 3}, "callback must be a function of one AdaptStep; came 3"),
         ({"boundary": "open"}, "unknown boundary 'open': it is one of fixed, straight, all"),
         ({"functional": "areas"}, "Did you mean 'area'"),
         ({"functional": "winslow"}, "how 'winslow' places nodes with a weight is not known"),

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.folds import Folds
 from gridgen_sym.solvers.line_search import LineSearch
 from gridgen_sym.solvers.point import Point
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.prolongation import finer_start, from_boundary
-from gridgen_sym.solvers.untangle import Folds
 
 from .conftest import BARRIER, disordered, edges
 

@@ -18,9 +18,9 @@ from support_boundaries import (
 )
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.folds import Folds
 from gridgen_sym.solvers.lift import lift
 from gridgen_sym.solvers.progress import Progress
-from gridgen_sym.solvers.untangle import Folds
 
 from .conftest import BARRIER, METHODS, edges, farthest
 from .test_never_worse import SOLVERS

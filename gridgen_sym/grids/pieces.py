@@ -16,6 +16,11 @@ def outside_pieces(ring: list[Point]) -> list[Polygon]:
     return [piece for start, end in pairwise(corners) for piece in _united(_triangles(ring[start : end + 1][::-1]))]
 
 
+def inside_pieces(ring: list[Point]) -> list[Polygon]:
+    """Return convex polygons that fill a simple polygon, counter-clockwise."""
+    return _united(_triangles(ring))
+
+
 def _triangles(polygon: list[Point]) -> list[Polygon]:
     """Cut a simple polygon, counter-clockwise, into triangles: one ear after the other."""
     triangles: list[Polygon] = []
