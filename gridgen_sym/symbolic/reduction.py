@@ -87,9 +87,11 @@ def in_metric(expression: Expr) -> Expr:
 
 def _metric_multiple(factor: Expr) -> Expr:
     for name, meaning in METRIC.items():
-        ratio = sympy.cancel(factor / meaning)
-        if ratio.is_number:
-            return ratio * name
+        # Most factors are in other symbols, which is seen at once.
+        if factor.free_symbols == meaning.free_symbols:
+            ratio = sympy.cancel(factor / meaning)
+            if ratio.is_number:
+                return ratio * name
     return factor
 
 
