@@ -256,6 +256,28 @@ def test_what_is_learned_keeps_its_reasons():
 def test_out_of_work_is_no_proof():
     start, _ = IMPOSSIBLE["a band"]
     assert find_conflict(start, work=5) is None
+    assert gg.certificates(start, search=True, work=5) == ()
+    assert gg.certificates(start, search=True, work=5000)
+
+
+@pytest.mark.parametrize("work", [0, -3, 2.5, True, "long"])
+def test_work_must_be_a_number_of_steps(work):
+    with pytest.raises(gg.GridgenError, match=f"work must be a whole number of steps, at least 1; came {work!r}"):
+        gg.certificates(gg.domain("square", 5, 5), search=True, work=work)
+
+
+def test_what_the_check_raises_ends_the_search():
+    start, _ = IMPOSSIBLE["a band that only cases decide"]
+    calls = []
+
+    def check():
+        calls.append(None)
+        if len(calls) == 40:
+            raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        gg.certificates(start, search=True, check=check)
+    assert len(calls) == 40
 
 
 def test_a_valid_grid_is_not_searched():
