@@ -150,6 +150,7 @@ def test_transfer_is_exact_for_linear_fields_and_for_the_same_grid():
     both = gg.transfer(adapted, np.stack((u, line(adapted)), axis=-1), SQUARE)
     assert both.shape == (33, 33, 2)
     np.testing.assert_array_equal(both[..., 0], gg.transfer(adapted, u, SQUARE))
+    np.testing.assert_array_equal(gg.transfer(adapted, u[..., None], SQUARE)[..., 0], both[..., 0])
 
 
 def test_transfer_does_not_overshoot_and_the_smooth_one_is_more_accurate():

@@ -114,6 +114,15 @@ def test_what_is_spread_is_the_boundarys_difference():
     np.testing.assert_allclose(_spread(coarse, boundary), fine, atol=1e-12)
 
 
+def test_where_cells_are_halved_new_nodes_are_in_the_middle_of_the_old():
+    coarse = disordered(0, 6, 8)
+    halved = np.empty((2, 11, 15))
+    halved[:, ::2, ::2] = coarse
+    halved[:, 1::2, ::2] = (coarse[:, 1:] + coarse[:, :-1]) / 2
+    halved[:, :, 1::2] = (halved[:, :, 2::2] + halved[:, :, :-1:2]) / 2
+    np.testing.assert_allclose(_spread(coarse, halved), halved, atol=1e-12)
+
+
 def bump(ni, nj):
     """A field that is zero at the boundary, and cubic along each line."""
     s, t = np.meshgrid(np.linspace(0, 1, ni), np.linspace(0, 1, nj), indexing="ij")
