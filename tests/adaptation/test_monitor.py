@@ -125,6 +125,7 @@ def test_spreads_of_a_grid_that_is_known():
     assert even.root == even.weight
     assert str(even.weight) == "variation 0.500, ratio 3"
     assert gg.equidistribution(grid, np.full((3, 3), 7.0)).weight.variation == pytest.approx(0.5)
+    assert gg.equidistribution(gg.Grid(1e-6 * grid.xy), 1.0).weight.variation == pytest.approx(0.5)
     nine = gg.equidistribution(grid, lambda x, y: np.where(x < 1, 9.0, 1.0))
     assert nine.root.variation == pytest.approx(0)
     assert nine.weight.ratio == pytest.approx(3)

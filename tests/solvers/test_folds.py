@@ -21,6 +21,7 @@ from gridgen_sym.solvers.prolongation import (
     coarse_start,
     finer_start,
     from_boundary,
+    resample,
 )
 from gridgen_sym.solvers.windows import cut_out, folded_nodes, windows
 
@@ -121,6 +122,19 @@ def test_where_cells_are_halved_new_nodes_are_in_the_middle_of_the_old():
     halved[:, 1::2, ::2] = (coarse[:, 1:] + coarse[:, :-1]) / 2
     halved[:, :, 1::2] = (halved[:, :, 2::2] + halved[:, :, :-1:2]) / 2
     np.testing.assert_allclose(_spread(coarse, halved), halved, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"), [((9, 8), (21, 15)), ((7, 5), (9, 7)), ((5, 7), (7, 9)), ((40, 5), (80, 33))]
+)
+def test_resampling_is_exact_for_cubics(given, wanted):
+    """Also where one number of nodes was the other before, and over many rows."""
+
+    def field(ni, nj):
+        x, y = np.meshgrid(np.linspace(0, 1, ni), np.linspace(0, 1, nj), indexing="ij")
+        return np.stack([x**3 - x * y**2, y**3 + x])
+
+    np.testing.assert_allclose(resample(field(*given), wanted, linear=False), field(*wanted), atol=1e-13)
 
 
 def bump(ni, nj):
