@@ -125,7 +125,7 @@ def test_where_cells_are_halved_new_nodes_are_in_the_middle_of_the_old():
 
 
 @pytest.mark.parametrize(
-    ("given", "wanted"), [((9, 8), (21, 15)), ((7, 5), (9, 7)), ((5, 7), (7, 9)), ((40, 5), (80, 33))]
+    ("given", "wanted"), [((9, 8), (21, 15)), ((7, 5), (9, 7)), ((5, 7), (7, 9)), ((40, 5), (80, 33)), ((4, 4), (9, 6))]
 )
 def test_resampling_is_exact_for_cubics(given, wanted):
     """Also where one number of nodes was the other before, and over many rows."""
