@@ -195,6 +195,25 @@ def test_boundary_nodes_never_go_beyond_what_is_wanted(monkeypatch):
     assert max(shares) == 1
 
 
+@pytest.mark.parametrize("moves", [1, 3])
+def test_nodes_are_moved_so_often_in_each_step(moves, monkeypatch):
+    calls = []
+
+    def counted(grid, *arguments, optimize=gg.optimize, **options):
+        calls.append(grid)
+        return optimize(grid, *arguments, **options)
+
+    monkeypatch.setattr("gridgen_sym.adaptation.mover.optimize", counted)
+    result = gg.adapt(square(17), ring, steps=2, moves=moves)
+    assert (len(calls), result.iterations) == (2 * moves, 2)
+
+
+def test_the_share_of_a_step_is_chosen_anew():
+    shares = [step.damping for step in gg.adapt(square(17), ring, steps=4, damping=0.4).history]
+    assert shares[:2] == [0.4, 0.4]
+    assert len(set(shares[1:])) == 4
+
+
 def test_which_sides_are_straight():
     x = np.array([0.0, 0.1, 0.5, 1.0])
     assert _straight(np.stack((x, 2 * x)))
