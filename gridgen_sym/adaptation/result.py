@@ -60,7 +60,7 @@ class AdaptResult:
 
     @property
     def interrupted(self) -> bool:
-        """Whether Ctrl-C or the time limit stopped it."""
+        """Whether Ctrl-C, the time limit or the callback stopped it."""
         return self.stopped_by is not None
 
     @property

@@ -43,7 +43,7 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
 )
 @start_options
 @click.option("--time-limit", type=float, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
-@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv or .npz.")
+@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
 @click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
 @functionals_option

@@ -32,7 +32,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     help="newton and local minimise the discrete energy; euler-lagrange and relaxation solve its equations.",
 )
 @start_options
-@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv or .npz.")
+@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
 @click.option("--weight", metavar="FORMULA", help="Adaptive weight s(x, y), such as '1 + 5*exp(-20*(x**2 + y**2))'.")
 @click.option(
@@ -125,6 +125,8 @@ def check_outputs(output: str | None, plot: str | None) -> None:
         raise GridgenError(f"cannot write {plot}: a picture's suffix must be one of {', '.join(_PICTURES)}")
     if plot and find_spec("matplotlib") is None:
         raise MissingExtraError("--plot", "plot", "matplotlib")
+    if output and Path(output).suffix.lower() == ".cgns" and find_spec("h5py") is None:
+        raise MissingExtraError("writing a CGNS file", "io", "h5py")
 
 
 def _report(result: Result, quiet: bool) -> None:

@@ -9,16 +9,16 @@ from pathlib import Path
 
 from ..atomic import read_bytes, write_bytes
 from ..errors import GridgenError
-from . import plot3d, tables, vtk
+from . import cgns, plot3d, tables, vtk
 from .grid import Grid
 
 
 @dataclass(frozen=True, slots=True)
 class _Format:
-    """A kind of file: its name, and two functions that know nothing of the disk."""
+    """A kind of file: its name, and two functions that know nothing of the disk; one without the first is not read."""
 
     name: str
-    decode: Callable[[bytes], Grid]
+    decode: Callable[[bytes], Grid] | None
     encode: Callable[[Grid], bytes]
 
 
@@ -27,11 +27,12 @@ _FORMATS = {
     ".xyz": _Format("PLOT3D grid", plot3d.decode, plot3d.encode),
     ".csv": _Format("table of nodes", tables.decode_csv, tables.encode_csv),
     ".npz": _Format("NumPy archive", tables.decode_npz, tables.encode_npz),
+    ".cgns": _Format("CGNS file", None, cgns.encode),
 }
 
 
 def known_suffixes() -> list[str]:
-    """Return the suffixes of the grid files that can be read and written."""
+    """Return the suffixes of the grid files that can be written; all but ``.cgns`` can be read."""
     return list(_FORMATS)
 
 
@@ -47,6 +48,10 @@ def read(path: str | os.PathLike[str]) -> Grid:
             coordinates that are no grid; the message names the path.
     """
     form = _format_of(path)
+    if form.decode is None:
+        raise GridgenError(
+            f"cannot read {path}: a {form.name} is written, but not read; keep the grid as .vts or .npz too"
+        )
     data = read_bytes(path)
     try:
         return form.decode(data)
@@ -61,10 +66,11 @@ def write(grid: Grid, path: str | os.PathLike[str]) -> None:
 
     Args:
         grid: the grid.
-        path: as for `read`; an existing file is replaced.
+        path: as for `read`, or with the suffix ``.cgns`` (CGNS on HDF5); an existing file is replaced.
 
     Raises:
         GridgenError: for an unknown suffix, or a place where no file can be written.
+        MissingExtraError: for ``.cgns``, if h5py is not installed.
     """
     write_bytes(path, _format_of(path).encode(grid))
 

@@ -35,7 +35,7 @@ grids = hnp.arrays(
 
 
 def test_every_suffix_is_tested():
-    assert known_suffixes() == list(CODECS)
+    assert known_suffixes() == [*CODECS, ".cgns"]  # The last one has tests of its own.
 
 
 @pytest.mark.parametrize("suffix", CODECS)
