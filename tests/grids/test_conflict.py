@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from support_boundaries import SEEDS, flat_polygon, grid_of_ring, smooth_curve, star_polygon, valid_grids
 
 import gridgen_sym as gg
-from gridgen_sym.grids.conflict import Conflict, _contradiction, _learn, contracted_places, find_conflict
+from gridgen_sym.grids.conflict import WORK, Conflict, _contradiction, _learn, contracted_places, find_conflict
 from gridgen_sym.grids.cuts import common_part, halves, possible_part, visible_part
 from gridgen_sym.grids.lattice import Lattice, convex_hull, doubled_area, simpler, turn
 from gridgen_sym.grids.network import Network, OutOfWork
@@ -222,7 +222,7 @@ def test_cells_that_conflict_are_found(start, most):
     assert isinstance(found, Conflict)
     assert 0 < len(found.cells) <= most
     # The proof needs no other cells.
-    again = contracted_places(start, found.cells)
+    again = contracted_places(start, found.cells, WORK)
     assert isinstance(again, Conflict)
     assert set(again.cells) <= set(found.cells)
 
