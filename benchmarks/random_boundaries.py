@@ -26,17 +26,18 @@ KINDS = {
     "star, radii from 1e-6": (star_polygon, 1e-6),
     "band, 1:100": (flat_polygon, 1e-2),
 }
-_OUTCOMES = ("quick proof", "searched proof", "valid", "undecided")
+_OUTCOMES = ("quick proof", "searched proof", "valid", "longer search", "undecided")
 
 
-def outcome(start: gg.Grid) -> str:
-    """Return what becomes of one boundary."""
+def outcome(start: gg.Grid, work: int | None) -> str:
+    """Return what becomes of one boundary; what is undecided is searched with more work, if that is given."""
     if gg.certificates(start):
         return "quick proof"
     result = gg.untangle(start, progress=False)
     if result.quality.valid:
         return "valid"
-    return "searched proof" if result.certificates else "undecided"
+    longer = work and not result.certificates and gg.certificates(result.grid, search=True, work=work)
+    return "searched proof" if result.certificates else "longer search" if longer else "undecided"
 
 
 def main() -> None:
@@ -44,6 +45,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=300, help="boundaries of each kind")
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
+    parser.add_argument("--work", type=int, help="of a longer search for a proof where there is none yet")
     parser.add_argument("--kind", action="append", choices=KINDS, help="of this kind only")
     options = parser.parse_args()
     table = Table(
@@ -57,7 +59,7 @@ def main() -> None:
         begin = time.process_time()
         for seed in range(options.first, options.first + options.count):
             ni, nj = np.random.default_rng(seed).integers(3, 10, 2).tolist()
-            found[outcome(grid_of_ring(make(seed, 2 * (ni + nj) - 4, shape), ni, nj))] += 1
+            found[outcome(grid_of_ring(make(seed, 2 * (ni + nj) - 4, shape), ni, nj), options.work)] += 1
         table.add(kind, options.count, *(found[name] for name in _OUTCOMES), time.process_time() - begin)
     print(table.markdown())
 

@@ -34,9 +34,10 @@ Where no valid grid exists, a certificate proves it from the boundary nodes alon
 boundary that crosses itself, a corner that turns the wrong way, a node without a place. For others there is a search,
 made where untangling ends with folds. In a valid grid every inner node lies in the convex hull of the boundary. From
 there its place is contracted: at every corner of a cell J must be positive for some place of the other two nodes, and
-where the boundary does not meet itself the nodes of a cell must see each other past what lies outside. Where that
-ends, places are halved, and both cases are followed up. A node that is left without a place is the proof, for all
-signs are those of whole numbers; the certificate names cells that cannot all be valid.
+where the boundary does not meet itself the nodes of a cell must see each other past what lies outside. There a place
+is cut along convex pieces of the boundary's inside, so that it bends as the boundary does. Where that ends, places
+are halved, and both cases are followed up. A node that is left without a place is the proof, for all signs are those
+of whole numbers; the certificate names cells that cannot all be valid.
 """
 
 LIST_TEXT = (

@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import GridgenError
 from .conflict import WORK, Conflict, find_conflict
 from .grid import FloatArray, Grid, boundary_indices, check_grid
 from .neck import Node, crowded_nodes
@@ -76,13 +77,16 @@ def certificates(
         grid: any grid with the boundary in question, such as `transfinite(bottom, top, left, right)`.
         search: where there is no certificate otherwise, search near the folded cells of `grid` for cells that cannot
             all be valid. It finds most on the least folded grid, as `untangle` returns it.
-        work: how many steps each of the few attempts of the search may take, some 50 microseconds each.
+        work: how many steps each of the few attempts of the search may take, some 50 microseconds each. The
+            default means seconds; hard boundaries are decided by ten times as many, or not at all.
         check: called again and again during the search; what it raises ends it.
 
     Raises:
-        GridgenError: if `grid` is no Grid.
+        GridgenError: if `grid` is no Grid, or `work` no positive whole number.
     """
     check_grid(grid)
+    if not isinstance(work, (int, np.integer)) or isinstance(work, bool) or work < 1:
+        raise GridgenError(f"work must be a whole number of steps, at least 1; came {work!r}")
     found = _quick(grid)
     if search and not found:
         conflict = find_conflict(grid, work, check)

@@ -132,7 +132,7 @@ class Run:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
         if self.proofs is None:
             self.proofs = certificates(Grid.from_planes(*self.coordinates))
-        proofs = _proofs_text(self.proofs) or "No proof was found that there is no valid grid."
+        proofs = _proofs_text(self.proofs) or _NO_PROOF
         return f"{told} {quality(Grid.from_planes(*self.coordinates)).describe_folds()}\n{proofs}"
 
     def result(self, converged: bool, message: str, stopped_by: Stop | None) -> Result:
@@ -159,6 +159,11 @@ class Run:
         )
 
 
+#: What is said where there is neither a valid grid nor a proof.
+_NO_PROOF = (
+    "No proof was found that there is no valid grid; certificates(grid, search=True, work=...) searches longer. "
+    "More nodes, other corners or another spacing of the boundary nodes may help."
+)
 #: What is said of a result whose start was folded.
 UNTANGLED = "The grid was folded at the start and was untangled first: "
 

@@ -11,7 +11,7 @@ from solvers.conftest import farthest, hopeless_grid
 import gridgen_sym as gg
 from gridgen_sym.adaptation.law import law_of, weight_values
 from gridgen_sym.adaptation.mover import Mover
-from gridgen_sym.adaptation.sides import slide, sliding_sides
+from gridgen_sym.adaptation.sides import _straight, slide, sliding_sides
 
 from .conftest import SHARP, front, interpolation_error, ring, shock, two_scales
 
@@ -193,6 +193,36 @@ def test_boundary_nodes_never_go_beyond_what_is_wanted(monkeypatch):
     result = gg.adapt(square(17), "tanh(10*(x + y - 1))", steps=8, damping=0.5)
     assert max(step.damping for step in result.history) > 1
     assert max(shares) == 1
+
+
+@pytest.mark.parametrize("moves", [1, 3])
+def test_nodes_are_moved_so_often_in_each_step(moves, monkeypatch):
+    calls = []
+
+    def counted(grid, *arguments, optimize=gg.optimize, **options):
+        calls.append(grid)
+        return optimize(grid, *arguments, **options)
+
+    monkeypatch.setattr("gridgen_sym.adaptation.mover.optimize", counted)
+    result = gg.adapt(square(17), ring, steps=2, moves=moves)
+    assert (len(calls), result.iterations) == (2 * moves, 2)
+
+
+def test_the_share_of_a_step_is_chosen_anew():
+    shares = [step.damping for step in gg.adapt(square(17), ring, steps=4, damping=0.4).history]
+    assert shares[:2] == [0.4, 0.4]
+    assert len(set(shares[1:])) == 4
+
+
+def test_which_sides_are_straight():
+    x = np.array([0.0, 0.1, 0.5, 1.0])
+    assert _straight(np.stack((x, 2 * x)))
+    assert _straight(np.stack((x, 2 * x + 1e-12 * (x == 0.5))))
+    assert not _straight(np.stack((x, 2 * x + 1e-6 * (x == 0.5))))
+    assert not _straight(np.stack((x, 2 * x + 1e-6 * (x == 1.0))))
+    assert not _straight(np.stack((x * (1 - x), x * (1 - x)))), "it ends where it began"
+    assert _straight(1e-9 * np.stack((x, 2 * x))), "in any unit"
+    assert not _straight(1e-9 * np.stack((x, 2 * x + 1e-6 * (x == 0.5))))
 
 
 @pytest.mark.parametrize(

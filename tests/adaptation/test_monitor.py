@@ -125,6 +125,7 @@ def test_spreads_of_a_grid_that_is_known():
     assert even.root == even.weight
     assert str(even.weight) == "variation 0.500, ratio 3"
     assert gg.equidistribution(grid, np.full((3, 3), 7.0)).weight.variation == pytest.approx(0.5)
+    assert gg.equidistribution(gg.Grid(1e-6 * grid.xy), 1.0).weight.variation == pytest.approx(0.5)
     nine = gg.equidistribution(grid, lambda x, y: np.where(x < 1, 9.0, 1.0))
     assert nine.root.variation == pytest.approx(0)
     assert nine.weight.ratio == pytest.approx(3)
@@ -150,6 +151,7 @@ def test_transfer_is_exact_for_linear_fields_and_for_the_same_grid():
     both = gg.transfer(adapted, np.stack((u, line(adapted)), axis=-1), SQUARE)
     assert both.shape == (33, 33, 2)
     np.testing.assert_array_equal(both[..., 0], gg.transfer(adapted, u, SQUARE))
+    np.testing.assert_array_equal(gg.transfer(adapted, u[..., None], SQUARE)[..., 0], both[..., 0])
 
 
 def test_transfer_does_not_overshoot_and_the_smooth_one_is_more_accurate():

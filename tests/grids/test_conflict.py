@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from support_boundaries import SEEDS, flat_polygon, grid_of_ring, smooth_curve, star_polygon, valid_grids
 
 import gridgen_sym as gg
-from gridgen_sym.grids.conflict import Conflict, _contradiction, _learn, contracted_places, find_conflict
+from gridgen_sym.grids.conflict import WORK, Conflict, _contradiction, _learn, contracted_places, find_conflict
 from gridgen_sym.grids.cuts import common_part, halves, possible_part, visible_part
 from gridgen_sym.grids.lattice import Lattice, convex_hull, doubled_area, simpler, turn
 from gridgen_sym.grids.network import Network, OutOfWork
@@ -222,7 +222,7 @@ def test_cells_that_conflict_are_found(start, most):
     assert isinstance(found, Conflict)
     assert 0 < len(found.cells) <= most
     # The proof needs no other cells.
-    again = contracted_places(start, found.cells)
+    again = contracted_places(start, found.cells, WORK)
     assert isinstance(again, Conflict)
     assert set(again.cells) <= set(found.cells)
 
@@ -256,6 +256,28 @@ def test_what_is_learned_keeps_its_reasons():
 def test_out_of_work_is_no_proof():
     start, _ = IMPOSSIBLE["a band"]
     assert find_conflict(start, work=5) is None
+    assert gg.certificates(start, search=True, work=5) == ()
+    assert gg.certificates(start, search=True, work=5000)
+
+
+@pytest.mark.parametrize("work", [0, -3, 2.5, True, "long"])
+def test_work_must_be_a_number_of_steps(work):
+    with pytest.raises(gg.GridgenError, match=f"work must be a whole number of steps, at least 1; came {work!r}"):
+        gg.certificates(gg.domain("square", 5, 5), search=True, work=work)
+
+
+def test_what_the_check_raises_ends_the_search():
+    start, _ = IMPOSSIBLE["a band that only cases decide"]
+    calls = []
+
+    def check():
+        calls.append(None)
+        if len(calls) == 40:
+            raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        gg.certificates(start, search=True, check=check)
+    assert len(calls) == 40
 
 
 def test_a_valid_grid_is_not_searched():

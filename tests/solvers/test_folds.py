@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,7 +13,16 @@ from support_boundaries import SEEDS, SIZES, grid_of_ring, star_polygon
 import gridgen_sym as gg
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.prolongation import _SIDES, _displaced, _harmonic, _spread, finer_start, from_boundary
+from gridgen_sym.solvers.prolongation import (
+    _SIDES,
+    _displaced,
+    _harmonic,
+    _spread,
+    coarse_start,
+    finer_start,
+    from_boundary,
+    resample,
+)
 from gridgen_sym.solvers.windows import cut_out, folded_nodes, windows
 
 
@@ -102,6 +113,70 @@ def test_what_is_spread_is_the_boundarys_difference():
     boundary = fine.copy()
     boundary[:, 1:-1, 1:-1] = np.nan
     np.testing.assert_allclose(_spread(coarse, boundary), fine, atol=1e-12)
+
+
+def test_where_cells_are_halved_new_nodes_are_in_the_middle_of_the_old():
+    coarse = disordered(0, 6, 8)
+    halved = np.empty((2, 11, 15))
+    halved[:, ::2, ::2] = coarse
+    halved[:, 1::2, ::2] = (coarse[:, 1:] + coarse[:, :-1]) / 2
+    halved[:, :, 1::2] = (halved[:, :, 2::2] + halved[:, :, :-1:2]) / 2
+    np.testing.assert_allclose(_spread(coarse, halved), halved, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"), [((9, 8), (21, 15)), ((7, 5), (9, 7)), ((5, 7), (7, 9)), ((40, 5), (80, 33)), ((4, 4), (9, 6))]
+)
+def test_resampling_is_exact_for_cubics(given, wanted):
+    """Also where one number of nodes was the other before, and over many rows."""
+
+    def field(ni, nj):
+        x, y = np.meshgrid(np.linspace(0, 1, ni), np.linspace(0, 1, nj), indexing="ij")
+        return np.stack([x**3 - x * y**2, y**3 + x])
+
+    np.testing.assert_allclose(resample(field(*given), wanted, linear=False), field(*wanted), atol=1e-13)
+
+
+def bump(ni, nj):
+    """A field that is zero at the boundary, and cubic along each line."""
+    s, t = np.meshgrid(np.linspace(0, 1, ni), np.linspace(0, 1, nj), indexing="ij")
+    return np.stack((s * (1 - s) * t * (1 - t) * (1 + s), s * (1 - s) * t * (1 - t) * (2 - t)))
+
+
+def test_a_smooth_displacement_is_carried_to_the_finer_grid():
+    coarse = from_boundary(gg.domain("wavy", 9, 7).planes) + bump(9, 7)
+    fine = from_boundary(gg.domain("wavy", 20, 15).planes)
+    np.testing.assert_allclose(_displaced(coarse, fine), fine + bump(20, 15), atol=1e-13)
+
+
+def test_a_coarse_start_has_the_boundary_between_its_nodes_as_straight_lines():
+    fine = gg.domain("wavy", 12, 9).planes
+    start = coarse_start(fine, (8, 4))
+    assert start.shape == (2, 8, 4)
+    for mine, side in ((start[:, :, 0], fine[:, :, 0]), (start[:, -1], fine[:, -1]), (start[:, 0], fine[:, 0])):
+        at = np.linspace(0, side.shape[1] - 1, mine.shape[1])
+        expected = [np.interp(at, np.arange(side.shape[1]), component) for component in side]
+        np.testing.assert_allclose(mine, expected, atol=1e-14)
+    np.testing.assert_array_equal(start, from_boundary(start))
+
+
+@pytest.mark.parametrize(
+    ("cells", "best", "asked"),
+    [((0, 0, 0), 0, 1), ((5, 0, 0), 1, 2), ((5, 2, 0), 1, 2), ((5, 3, 0), 2, 3), ((5, 3, 4), 1, 3), ((5, 5, 5), 0, 3)],
+)
+def test_the_ways_to_a_finer_start_are_tried_in_turn(cells, best, asked, monkeypatch):
+    """The dearest only where more than 2 % of the cells are folded: here more than 2 of 100."""
+    ways, seen = [np.full((2, 10, 10), float(k)) for k in range(3)], []
+
+    def folds(place):
+        seen.append(place)
+        return Folds(cells[int(place[0, 0, 0])], 1.0)
+
+    for name, way in zip(("_displaced", "_spread", "from_boundary"), ways, strict=True):
+        monkeypatch.setattr(f"gridgen_sym.solvers.prolongation.{name}", lambda *_, way=way: way)
+    start = finer_start(SimpleNamespace(folds=folds), ways[0], ways[0])
+    assert start[0, 0, 0] == best
+    assert len(seen) == asked
 
 
 @pytest.mark.parametrize("seed", range(6))

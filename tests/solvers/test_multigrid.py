@@ -10,7 +10,6 @@ from gridgen_sym.solvers.linear import DirectSolver
 from gridgen_sym.solvers.multigrid import GeneralMultigrid, Multigrid
 from gridgen_sym.solvers.nested import coarse_shapes
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.prolongation import resample
 from gridgen_sym.solvers.sparse import assemble_hessian, assemble_jacobian, to_vector
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="multigrid is compiled")
@@ -325,14 +324,6 @@ def test_nested_shapes_end_with_the_grids_own():
     assert coarse_shapes((65, 65)) == [(17, 17), (33, 33), (65, 65)]
     assert coarse_shapes((7, 40))[-1] == (7, 40)
     assert all(shape[0] == 7 for shape in coarse_shapes((7, 40)))
-
-
-def test_resampling_is_exact_for_cubics():
-    x, y = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 8), indexing="ij")
-    fine = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 15), indexing="ij")
-    field = np.stack([x**3 - x * y**2, y**3 + x])
-    expected = np.stack([fine[0] ** 3 - fine[0] * fine[1] ** 2, fine[1] ** 3 + fine[0]])
-    np.testing.assert_allclose(resample(field, (21, 15), linear=False), expected, atol=1e-13)
 
 
 @pytest.mark.parametrize("name", ["winslow", "modified_liao"])

@@ -1,0 +1,122 @@
+"""The path of the regularised barrier: where epsilon begins, how it falls, and when that has ended."""
+
+from __future__ import annotations
+
+from itertools import count
+
+import numpy as np
+import pytest
+
+import gridgen_sym as gg
+from gridgen_sym.functionals import functional
+from gridgen_sym.solvers import continuation
+from gridgen_sym.solvers.continuation import _ended, path, regularized
+from gridgen_sym.solvers.folds import Folds, mean_jacobian
+from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.progress import Progress
+from gridgen_sym.solvers.untangle import unfold
+
+WINSLOW = functional("winslow")
+
+
+def folded(depth):
+    """Unit cells, one of them with a corner whose Jacobian is minus `depth`, and where that is."""
+    place = np.stack(np.meshgrid(np.arange(7.0), np.arange(6.0), indexing="ij"))
+    place[:, 3, 3] = 2.5 - depth / 2
+    smallest = gg.quality(gg.Grid.from_planes(*place)).min_jacobian
+    return place, -smallest
+
+
+def follow(place, monkeypatch, lower=lambda regular, place: None):
+    """Follow the path from a grid, and return the epsilons on it."""
+    seen = []
+    monkeypatch.setattr(continuation, "regularized", lambda *arguments: seen.append(arguments[-1]))
+    problem = make_problem(gg.Grid.from_planes(*place), "winslow")
+    for _ in path(problem, WINSLOW, place, None, lower):
+        pass
+    return seen
+
+
+@pytest.mark.parametrize("depth", [1.0, 1e-6])
+def test_epsilon_begins_at_the_fold_or_at_the_size_of_a_cell_and_falls(depth, monkeypatch):
+    place, deepest = folded(depth)
+    first = max(0.2 * deepest, 0.02 * mean_jacobian(place))
+    assert follow(place, monkeypatch) == pytest.approx(first * 0.3 ** np.arange(4))
+
+
+def test_it_ends_at_the_first_grid_that_cannot_be_mended_further(monkeypatch):
+    place, _ = folded(1.0)
+    valid, steps = folded(-1.0)[0], count(1)
+
+    def lower(regular, place):
+        if next(steps) == 2:
+            place[...] = valid
+
+    assert len(follow(place, monkeypatch, lower)) == 2
+    assert follow(valid, monkeypatch) == []
+
+
+def test_it_ends_where_rounding_decides(monkeypatch):
+    """However well it goes."""
+    place, _ = folded(1.0)
+    monkeypatch.setattr(continuation, "_ended", lambda folds: False)
+    last = follow(place, monkeypatch)[-1]
+    assert last > 1e-12 * mean_jacobian(place) > 0.3 * last
+
+
+@pytest.mark.parametrize(
+    ("cells", "depths", "ended"),
+    [
+        ((3, 3, 3), (1, 1, 1), False),
+        ((3, 3, 3, 3), (1, 1, 1, 1), True),
+        ((3, 3, 3, 2), (1, 1, 1, 1), False),
+        ((3, 2, 3, 3), (1, 1, 1, 1), False),
+        ((2, 3, 3, 3), (1, 1, 1, 1), True),
+        ((3, 2, 3, 3, 2), (1, 1, 1, 1, 1), True),
+        ((3, 3, 3, 3), (1, 1, 1, 0.89), False),
+        ((3, 3, 3, 3), (1, 1, 0.89, 1), False),
+        ((3, 3, 3, 3), (1, 1, 1, 0.91), True),
+        ((3, 3, 3, 3), (0.5, 1, 1, 0.5), True),
+        ((3, 4, 4, 4), (1, 1, 1, 0.5), False),
+    ],
+)
+def test_progress_is_less_cells_or_a_shallower_fold_in_three_falls(cells, depths, ended):
+    assert _ended([Folds(*fold) for fold in zip(cells, depths, strict=True)]) == ended
+
+
+def test_a_regularised_problem_has_no_barrier_no_weight_and_all_corners():
+    grid = gg.domain("wavy", 9, 9)
+    fixed = np.zeros(grid.shape, dtype=bool)
+    fixed[4, 4] = True
+    definition = functional("area_winslow")
+    problem = make_problem(grid, definition, weight="1 + x**2", fixed=fixed, interior_only=True)
+    regular = regularized(problem, definition, None, 1e-3)
+    assert not regular.kernels.barrier
+    assert regular.weight is None
+    assert not regular.interior_only
+    assert np.array_equal(regular.fixed, problem.fixed)
+    k = {"k": 1e-3}
+    plain = make_problem(grid, definition, parameters=k).energy(grid.planes)[0]
+    sharp, blunt = (regularized(problem, definition, k, epsilon).energy(grid.planes)[0] for epsilon in (1e-12, 1.0))
+    assert sharp == pytest.approx(plain)
+    assert blunt != pytest.approx(plain, rel=0.1)
+
+
+def test_the_first_valid_grid_is_the_last():
+    seen = []
+    result = gg.untangle(gg.domain("zee", 17, 17), callback=lambda step: seen.append((step.stage, step.min_jacobian)))
+    assert result.converged
+    stages, jacobians = zip(*seen, strict=True)
+    assert set(stages) == {"untangle"}
+    assert len(seen) > 3
+    assert [smallest > 0 for smallest in jacobians] == [False] * (len(seen) - 1) + [True]
+
+
+def test_nothing_is_done_where_nothing_can_be_mended():
+    place, _ = folded(-1.0)
+    place[:, 0, 0] = 0.9, 0.9  # Folded at a corner whose three nodes are fixed.
+    start = place.copy()
+    with Progress("unfold", show=False) as report:
+        assert not unfold(make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, report)
+    assert report.history == []
+    assert np.array_equal(place, start)
