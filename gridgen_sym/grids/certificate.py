@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import GridgenError
-from .conflict import WORK, Conflict, find_conflict
+from .conflict import LITTLE_WORK, Conflict, find_conflict
 from .grid import FloatArray, Grid, boundary_indices, check_grid
 from .neck import Node, crowded_nodes
 from .network import nodes_of
@@ -66,7 +66,7 @@ class Certificate:
 
 
 def certificates(
-    grid: Grid, *, search: bool = False, work: int = WORK, check: Callable[[], object] | None = None
+    grid: Grid, *, search: bool = False, work: int = LITTLE_WORK, check: Callable[[], object] | None = None
 ) -> tuple[Certificate, ...]:
     """Return proofs that the boundary nodes of a grid, which do not move, admit no grid without a folded cell.
 
@@ -78,7 +78,7 @@ def certificates(
         search: where there is no certificate otherwise, search near the folded cells of `grid` for cells that cannot
             all be valid. It finds most on the least folded grid, as `untangle` returns it.
         work: how many steps each of the few attempts of the search may take, some 50 microseconds each. The
-            default means seconds; hard boundaries are decided by ten times as many, or not at all.
+            default means a few seconds; hard boundaries need a hundred times as many, or are never decided.
         check: called again and again during the search; what it raises ends it.
 
     Raises:

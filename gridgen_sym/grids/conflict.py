@@ -23,8 +23,8 @@ from .places import Place, Places
 
 #: Rules that may be used in one attempt to find a proof: for a first look, and where nothing else helps.
 LITTLE_WORK, WORK = 10_000, 100_000
-#: To show that still fewer cells conflict: so many times the work of the proof that is known.
-_PATIENCE = 2
+#: To show that still fewer cells conflict: so many times the work of the proof that is known, and so much in all.
+_PATIENCE, _ALTOGETHER = 2, 20_000
 #: Of so many nodes, those with the largest places, these are cut in halves to see what that tells. Area knows no
 #: direction, so that a thin band is like any other.
 _TRIED = 15
@@ -45,7 +45,7 @@ class Conflict:
     work: int
 
 
-def find_conflict(grid: Grid, work: int = WORK, check: Callable[[], object] | None = None) -> Conflict | None:
+def find_conflict(grid: Grid, work: int = LITTLE_WORK, check: Callable[[], object] | None = None) -> Conflict | None:
     """Search near the folded cells of a grid for a proof that no valid grid has its boundary nodes.
 
     Args:
@@ -216,7 +216,7 @@ def _moments(region: Polygon) -> FloatArray:
 
 def _fewest(grid: Grid, conflict: Conflict, cases: bool, check: Callable[[], object] | None) -> Conflict:
     """Leave out cells of a conflict as long as the others still conflict, and that is shown with as little work."""
-    kept, each, left = conflict.cells, _PATIENCE * conflict.work, WORK
+    kept, each, left = conflict.cells, _PATIENCE * conflict.work, _ALTOGETHER
     for cell in conflict.cells:
         if cell in kept and left > 0:
             fewer = contracted_places(grid, [other for other in kept if other != cell], each, cases=cases, check=check)

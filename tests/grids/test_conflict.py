@@ -218,7 +218,7 @@ IMPOSSIBLE = {
 @pytest.mark.parametrize(("start", "most"), IMPOSSIBLE.values(), ids=IMPOSSIBLE)
 def test_cells_that_conflict_are_found(start, most):
     assert gg.certificates(start) == ()
-    found = find_conflict(start)
+    found = find_conflict(start, WORK)
     assert isinstance(found, Conflict)
     assert 0 < len(found.cells) <= most
     # The proof needs no other cells.
