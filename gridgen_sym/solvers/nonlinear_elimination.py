@@ -44,9 +44,8 @@ def eliminate(point: Point, minimize: Callable[[Problem, Array, Deadline], None]
     """
     sweep_standing_out(point, deadline)
     problem, coordinates = point.problem, point.coordinates
-    # A weight of places changes with the grid, and which corners are counted depends on where its sides are.
-    of_places = problem.weight is not None and not problem.weight.per_node
-    if of_places or problem.interior_only or coordinates[0].size < _SMALLEST:
+    # What a weight, or which corners are counted, depends on the whole grid.
+    if problem.weight is not None or problem.interior_only or coordinates[0].size < _SMALLEST:
         return
     squares = _squares(point.gradient)
     standing = _standing_out(squares, _CUT_OUT)

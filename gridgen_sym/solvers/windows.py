@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -50,12 +49,7 @@ def folded_nodes(coordinates: Array, fixed: Mask) -> npt.NDArray[np.bool_]:
 
 
 def cut_out(problem: Problem, coordinates: Array, window: tuple[slice, slice]) -> tuple[Problem, Array]:
-    """Return a window as a problem of its own, and a copy of its coordinates; its sides are fixed.
-
-    It has the weight of its nodes, if each node has one; a weight of places is left out.
-    """
-    fixed, weight, planes = problem.fixed[window].copy(), problem.weight, problem.weights(coordinates)
+    """Return a window as a problem of its own, without a weight, and a copy of its coordinates; its sides are fixed."""
+    fixed = problem.fixed[window].copy()
     fixed[[0, -1]], fixed[:, [0, -1]] = 1, 1
-    if weight is not None and planes is not None:
-        weight = replace(weight, source=planes[0][window]) if weight.per_node else None
-    return Problem(problem.kernels, fixed, weight), np.ascontiguousarray(coordinates[:, *window])
+    return Problem(problem.kernels, fixed, None), np.ascontiguousarray(coordinates[:, *window])

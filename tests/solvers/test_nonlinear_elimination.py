@@ -98,34 +98,6 @@ def test_no_window_is_cut_out_of_what_hangs_together(options):
     assert point.norm < norm
 
 
-def test_windows_of_a_grid_with_a_weight_at_every_node_have_the_weight_of_theirs():
-    """Inside the window everything is as in the whole grid: the gradient, and so what lowers the energy."""
-    weight, parts = np.random.default_rng(0).uniform(0.99, 1.01, (SIZE, SIZE)), []
-
-    def solve(part, place, deadline):
-        inside = Point(part, place.copy()).gradient
-        first = next(
-            (i, j)
-            for i in range(SIZE - place.shape[1] + 1)
-            for j in range(SIZE - place.shape[2] + 1)
-            if np.array_equal(before[:, i : i + place.shape[1], j : j + place.shape[2]], place)
-        )
-        window = tuple(slice(k, k + count) for k, count in zip(first, place.shape[1:], strict=True))
-        parts.append((inside, whole.gradient[:, *window]))
-        window_solver([])(part, place, deadline)
-
-    swept = point_of(stretched(), weight=weight)
-    eliminate(swept, lambda *_: None, Deadline())
-    before, whole = swept.coordinates.copy(), point_of(swept.coordinates.copy(), weight=weight)
-    point = point_of(stretched(), weight=weight)
-    eliminate(point, solve, Deadline())
-    assert parts
-    for inside, outside in parts:
-        np.testing.assert_allclose(inside[:, 1:-1, 1:-1], outside[:, 1:-1, 1:-1], rtol=1e-10, atol=1e-9)
-    assert point.energy < swept.energy
-    assert point.smallest > 0
-
-
 def test_a_smooth_grid_is_left_alone():
     place = gg.domain("wavy", SIZE, SIZE).planes.copy()
     point = point_of(place.copy())
