@@ -54,6 +54,8 @@ def test_it_ends_at_the_first_grid_that_cannot_be_mended_further(monkeypatch):
 
     assert len(follow(place, monkeypatch, lower)) == 2
     assert follow(valid, monkeypatch) == []
+    valid[:, 0, 0] = 0.9, 0.9  # Folded at a corner whose three nodes are fixed.
+    assert follow(valid, monkeypatch) == []
 
 
 def test_it_ends_where_rounding_decides(monkeypatch):
