@@ -19,6 +19,7 @@ import numpy.typing as npt
 from ..grids import Grid, transfinite
 from ..grids.conflict import Conflict, contracted_places
 from ..runtime import Array
+from .deadline import Deadline
 from .frame import stretched_frames
 from .lift import MOST_NODES, Fold, surroundings
 from .problem import Problem
@@ -41,7 +42,6 @@ def unfold_from_middles(problem: Problem, coordinates: Array, progress: Progress
             ends = tuple((int(where.min()) - 1, int(where.max()) + 2) for where in np.nonzero(free))
             if ends not in tried and free.sum() <= MOST_NODES:
                 tried.add(ends)
-                progress.deadline.check()
                 _unfold_window(problem, coordinates, (slice(*ends[0]), slice(*ends[1])), progress)
     return problem.folds(coordinates).cells == 0
 
@@ -50,7 +50,7 @@ def _unfold_window(problem: Problem, coordinates: Array, window: tuple[slice, sl
     """Lift the nodes of a window in place, in one frame after the other until it is valid; keep the least folded."""
     part, least = cut_out(problem, coordinates, window)
     free = part.fixed == 0
-    for start in _starts(least, free):
+    for start in _starts(least, free, progress.deadline):
         for frame in stretched_frames(start):
             place = frame.of(start)
             try:
@@ -64,12 +64,12 @@ def _unfold_window(problem: Problem, coordinates: Array, window: tuple[slice, sl
                 return
 
 
-def _starts(window: Array, free: npt.NDArray[np.bool_]) -> Iterator[Array]:
+def _starts(window: Array, free: npt.NDArray[np.bool_], deadline: Deadline) -> Iterator[Array]:
     """Return a window with every free node in the middle of the largest part of its place, and its transfinite grid.
 
     There are none if its sides admit no valid grid.
     """
-    places = contracted_places(Grid.from_planes(*window))
+    places = contracted_places(Grid.from_planes(*window), check=deadline.check)
     if isinstance(places, Conflict):
         return
     start = window.copy()

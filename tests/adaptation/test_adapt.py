@@ -10,7 +10,7 @@ from solvers.conftest import farthest, hopeless_grid
 
 import gridgen_sym as gg
 from gridgen_sym.adaptation.law import law_of, weight_values
-from gridgen_sym.adaptation.mover import Mover
+from gridgen_sym.adaptation.mover import Mover, movement
 from gridgen_sym.adaptation.sides import _straight, slide, sliding_sides
 
 from .conftest import SHARP, front, interpolation_error, ring, shock, two_scales
@@ -195,6 +195,14 @@ def test_boundary_nodes_never_go_beyond_what_is_wanted(monkeypatch):
     assert max(shares) == 1
 
 
+def test_a_movement_is_a_part_of_the_domain():
+    xy = 300.0 * square(5).xy
+    xy[2, 2] += 3.0, 4.0
+    for unit in (1.0, 1e-6):
+        grid = gg.Grid(unit * 300.0 * square(5).xy)
+        assert movement(grid, gg.Grid(unit * xy)) == pytest.approx(5.0 / 300.0)
+
+
 @pytest.mark.parametrize("moves", [1, 3])
 def test_nodes_are_moved_so_often_in_each_step(moves, monkeypatch):
     calls = []
@@ -233,7 +241,7 @@ def test_the_share_is_that_which_would_have_left_nothing(damping, rest, expected
     """Of a move that leaves a part of the lack; within bounds, and the same as before where it has changed nothing."""
     fixed = np.ones((5, 5), dtype=np.uint8)
     mover = Mover(gg.functional("area_winslow"), (1, 2), None, fixed, None, damping, [])
-    lack = np.random.default_rng(0).normal(size=(5, 5))
+    lack = 1e-3 * np.random.default_rng(0).normal(size=(5, 5))
     mover._choose_damping(lack)
     mover._choose_damping(rest * lack)
     assert mover.damping == pytest.approx(expected)

@@ -16,6 +16,7 @@ from gridgen_sym.documentation.pictures import _panels, trials
 from gridgen_sym.documentation.reference_pages import command_helps, public_names
 from gridgen_sym.functionals import functional
 from gridgen_sym.symbolic.coordinates import s
+from gridgen_sym.symbolic.ellipticity import Ellipticity
 
 
 def classification(**properties):
@@ -30,7 +31,7 @@ def classification(**properties):
         "exchange": True,
         "polyconvex": SimpleNamespace(holds=True, proof="proved"),
         "lower_bound": SimpleNamespace(value=sympy.Integer(2), proof="proved"),
-        "ellipticity": SimpleNamespace(type="elliptic", proof="proved"),
+        "ellipticity": Ellipticity("elliptic", "proved"),
         "functional": SimpleNamespace(expression=lambda: sympy.Symbol("J"), parameters={}, constraints=()),
         "words": lambda: ("quasilinear", "coupled", "elliptic"),
     }
@@ -51,19 +52,19 @@ ADVICE = {
     "a bound of 0": ({"lower_bound": SimpleNamespace(value=sympy.Integer(0))}, USUAL),
     "a weight": ({"functional": SimpleNamespace(expression=lambda: s)}, [*USUAL, "Its density names the weight"]),
     "sampled": (
-        {"ellipticity": SimpleNamespace(type="elliptic", proof="sampled")},
+        {"ellipticity": Ellipticity("elliptic", "sampled")},
         [USUAL[0], "Its equations are elliptic (at every one of the jets"],
     ),
     "weak": (
-        {"ellipticity": SimpleNamespace(type="weakly elliptic", proof="proved")},
+        {"ellipticity": Ellipticity("weakly elliptic", "proved")},
         [USUAL[0], "Its equations are weakly elliptic"],
     ),
     "degenerate": (
-        {"ellipticity": SimpleNamespace(type="degenerate", proof="proved")},
+        {"ellipticity": Ellipticity("degenerate", "proved")},
         [USUAL[0], "Its equations are degenerate"],
     ),
     "changing": (
-        {"ellipticity": SimpleNamespace(type="changing type", proof="proved")},
+        {"ellipticity": Ellipticity("changing type", "proved")},
         [USUAL[0], "Its equations change type"],
     ),
 }
@@ -96,7 +97,7 @@ def test_facts_are_those_of_the_classification():
         scaling_degree=None,
         lower_bound=SimpleNamespace(value=None),
         polyconvex=SimpleNamespace(holds=False, proof="refuted"),
-        ellipticity=SimpleNamespace(type="degenerate", proof="sampled"),
+        ellipticity=Ellipticity("degenerate", "sampled"),
         functional=SimpleNamespace(parameters={"k": 0.5, "m": 2.0}, constraints=("k > 0", "m > k")),
     )
     facts = dict(_facts(other))
@@ -105,7 +106,7 @@ def test_facts_are_those_of_the_classification():
     assert facts["Invariant under"] == "none of translation, rotation, exchange of ξ and η"
     assert facts["Scaling"] == "not homogeneous"
     assert facts["Lower bound"] == "none known"
-    assert facts["Polyconvex"] == "no (refuted by an exact witness)"
+    assert facts["Polyconvex"] == "no (refuted at a point)"
     assert facts["Parameters"] == "`k` = 0.5, `m` = 2, with `k > 0`, `m > k`"
 
 
@@ -269,3 +270,35 @@ def test_what_is_called_stands_before_what_comes_back():
 def test_help_fits_on_a_page():
     for _, text in command_helps():
         assert max(map(len, text.splitlines())) <= 86
+
+
+def test_a_page_is_written_with_its_kernels_beside_it(monkeypatch, tmp_path):
+    given = {}
+
+    def page(template, **names):
+        given.update(names)
+        return "the page"
+
+    start = SimpleNamespace(start=gg.domain("wavy", 25, 25))
+    monkeypatch.setattr(functional_page, "trials", lambda _: (start,))
+    monkeypatch.setattr(functional_page, "draw", lambda *_: ())
+    monkeypatch.setattr(functional_page, "render_page", page)
+    path = functional_page.write_functional_page(functional("length"), tmp_path)
+    assert path == tmp_path / "length.md"
+    assert path.read_text() == "the page"
+    assert given["cells"] == 24
+    assert [(language, fence, file) for language, fence, _, file in given["sources"]] == [
+        ("C", "c", "length.c"),
+        ("NumPy", "python", "length.py"),
+    ]
+    for (_, _, text, file), remark, line in zip(
+        given["sources"],
+        ("/* corner_energy */", "# corner_energy"),
+        ("const double energy = ", "energy = "),
+        strict=True,
+    ):
+        assert text.startswith(remark)
+        assert f"\n{line}" in text
+        assert (tmp_path / file).read_text().count("\n") > 50
+    assert [program["name"] for program in given["programs"]][:2] == ["corner_energy", "corner_slopes"]
+    assert given["programs"][0]["meaning"] == "energy of a corner"

@@ -54,11 +54,13 @@ def test_it_ends_at_the_first_grid_that_cannot_be_mended_further(monkeypatch):
 
     assert len(follow(place, monkeypatch, lower)) == 2
     assert follow(valid, monkeypatch) == []
+    valid[:, 0, 0] = 0.9, 0.9  # Folded at a corner whose three nodes are fixed.
+    assert follow(valid, monkeypatch) == []
 
 
 def test_it_ends_where_rounding_decides(monkeypatch):
     """However well it goes."""
-    place, _ = folded(1.0)
+    place = 1e-3 * folded(1.0)[0]
     monkeypatch.setattr(continuation, "_ended", lambda folds: False)
     last = follow(place, monkeypatch)[-1]
     assert last > 1e-12 * mean_jacobian(place) > 0.3 * last

@@ -13,6 +13,7 @@ import gridgen_sym as gg
 from gridgen_sym.solvers import equations_newton, lift
 from gridgen_sym.solvers.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.equations import Equations
+from gridgen_sym.solvers.middles import unfold_from_middles
 from gridgen_sym.solvers.newton import _minimize_window
 from gridgen_sym.solvers.newton_steps import NewtonSteps
 from gridgen_sym.solvers.nonlinear_elimination import eliminate
@@ -48,8 +49,9 @@ def test_a_deadline_comes_once_the_seconds_are_over(monkeypatch):
             some.check()
 
 
+#: A boundary whose grid is lifted from middles.
+BAND = grid_of_ring(flat_polygon(20304, 26, 3e-2), 8, 7)
 RUNS = {
-    "a band that is lifted from middles": (gg.untangle, grid_of_ring(flat_polygon(20304, 26, 3e-2), 8, 7)),
     "a bay without a valid grid": (gg.untangle, grid_of_ring(smooth_curve(906, 20, 0.6), 7, 5)),
     "a folded start": (gg.optimize, gg.domain("zee", 33, 33)),
     "a folded start, equations": (gg.solve_euler_lagrange, gg.domain("zee", 33, 33)),
@@ -92,7 +94,7 @@ def test_a_window_is_left_in_time_and_what_it_has_done_is_kept():
 
 def test_every_program_of_a_lift_asks(monkeypatch):
     """Also those that lead nowhere, and of which no step is told."""
-    start = RUNS["a band that is lifted from middles"][1]
+    start = BAND
     place, free = start.planes.copy(), np.ones(start.shape, dtype=bool)
     free[[0, -1]], free[:, [0, -1]] = False, False
     seconds = []
@@ -126,13 +128,22 @@ def test_every_damped_step_of_the_equations_asks():
 
 
 def test_a_search_for_a_proof_asks():
-    def over():
-        raise StopRequest("time limit", "the time is over")
-
     start = RUNS["a bay without a valid grid"][1]
-    assert len(gg.certificates(start, search=True)) == 1
-    with pytest.raises(StopRequest):
-        gg.certificates(start, search=True, check=over)
+    asked, over = Ends(10**9), Ends(0).check
+    assert len(gg.certificates(start, search=True, check=asked.check)) == 1
+    assert asked.asked > 100
+    for after in (0, 50, asked.asked - 1):  # The last ones are in the search for fewer cells.
+        with pytest.raises(StopRequest):
+            gg.certificates(start, search=True, check=Ends(after).check)
     assert gg.certificates(start, check=over) == ()
     backwards = gg.Grid(start.xy[::-1])
     assert gg.certificates(backwards, search=True, check=over)[0].kind == "clockwise", "no search is needed"
+
+
+def test_the_search_for_middles_asks(monkeypatch):
+    lifted, deadline = [], Ends(50)
+    monkeypatch.setattr(lift.Fold, "lift", lambda self, progress: lifted.append(progress))
+    with pytest.raises(StopRequest):
+        unfold_from_middles(make_problem(BAND, "winslow"), BAND.planes.copy(), Progress("lift", deadline=deadline))
+    assert not lifted
+    assert deadline.asked == 51
