@@ -118,7 +118,10 @@ class Problem:
         if self.weight is None:
             return ""
         if self._planes is not None and not self._planes[0].any():
-            return " The weight is zero at every node: every grid has the energy zero."
+            flat = self.energy(coordinates)[0] == 0
+            return (
+                f" The weight is zero at every node: {'every grid has the energy zero' if flat else 'it asks nothing'}."
+            )
         said = ""
         outside = self.weight.nodes_outside(coordinates)
         if outside:
@@ -128,9 +131,11 @@ class Problem:
             )
         negative = self.weight.negative_nodes(coordinates)
         if negative:
+            # Between a barrier at J = 0 and the area of the domain, J is bounded.
+            bound = "may have no lower bound, and then" if self.kernels.barrier else "has no lower bound, and"
             said += (
-                f" The weight is negative at {negative} of {coordinates[0].size} nodes: the energy has no lower "
-                "bound, and no grid minimises it."
+                f" The weight is negative at {negative} of {coordinates[0].size} nodes: the energy {bound} no grid "
+                "minimises it."
             )
         return said
 

@@ -276,6 +276,23 @@ def test_a_negative_weight_that_is_wanted_comes_with_a_caution(method):
     assert result.quality.valid
 
 
+@pytest.mark.parametrize(
+    ("name", "bound"),
+    [("area", "has no lower bound, and no grid"), ("area_winslow", "may have no lower bound, and then")],
+)
+def test_where_a_barrier_bounds_the_jacobian_a_lower_bound_is_not_denied(name, bound):
+    weight = gg.Weight("x - 0.2", allow_negative=True)
+    assert bound in gg.optimize(gg.domain("square", 9, 9), name, weight=weight, max_iterations=1).message
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("area", "every grid has the energy zero"), ("area_winslow", "it asks nothing")]
+)
+def test_a_weight_that_is_zero_everywhere_is_told(name, said):
+    result = gg.optimize(gg.domain("square", 9, 9), name, weight="0*x", max_iterations=1)
+    assert f"The weight is zero at every node: {said}" in result.message
+
+
 def test_a_positive_weight_comes_without_a_caution():
     weight = gg.Weight(FORMULA, allow_negative=True)
     assert "negative" not in gg.optimize(mild_grid(), "area", weight=weight).message
