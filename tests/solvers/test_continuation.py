@@ -1,4 +1,4 @@
-"""The path of the regularised barrier: where epsilon begins, how it falls, and when that has ended."""
+"""Untangling: the path of the regularised barrier, and the ways that follow it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from gridgen_sym.solvers.continuation import _ended, path, regularized
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.progress import Progress
-from gridgen_sym.solvers.untangle import unfold
+from gridgen_sym.solvers.untangle import _Least, _Search, unfold
 
 WINSLOW = functional("winslow")
 
@@ -122,3 +122,57 @@ def test_nothing_is_done_where_nothing_can_be_mended():
         assert not unfold(make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, report)
     assert report.history == []
     assert np.array_equal(place, start)
+
+
+# ---- the ways ----
+
+
+def test_the_least_folded_grid_is_kept():
+    deep, shallow, valid = (folded(depth)[0] for depth in (1.0, 0.5, -1.0))
+    least = _Least(make_problem(gg.Grid.from_planes(*deep), "winslow"), shallow)
+    least.offer(deep)
+    assert np.array_equal(least.coordinates, shallow)
+    offered = valid.copy()
+    least.offer(offered)
+    offered[...] = 0.0
+    assert np.array_equal(least.coordinates, valid)
+    assert least.folds.cells == 0
+
+
+def search(knot):
+    """A search from a uniform grid of which a square of so many nodes is turned over."""
+    place = np.stack(np.meshgrid(np.arange(41.0), np.arange(41.0), indexing="ij"))
+    inside = np.s_[:, 10 : 10 + knot, 10 : 10 + knot]
+    place[inside] = place[inside][:, ::-1, ::-1]
+    problem = make_problem(gg.Grid.from_planes(*place), "winslow")
+    return _Search(problem, WINSLOW, None, Progress("search", show=False), place, _Least(problem, place))
+
+
+def moved(found):
+    return np.argwhere((found.least.coordinates != found.start).any(axis=0))
+
+
+def test_a_window_is_unfolded_by_itself():
+    found = search(5)
+    assert not found.done
+    found.window_by_window()
+    assert found.done
+    assert moved(found).min() >= 10 - 1 - 12
+    assert moved(found).max() <= 14 + 1 + 12
+
+
+def test_only_few_folds_are_unfolded_node_by_node():
+    """Here less than 2 % of the cells, and more."""
+    few, many = search(3), search(15)
+    few.node_by_node()
+    many.node_by_node()
+    assert len(moved(few)) > 0
+    assert len(moved(many)) == 0
+    assert few.least.folds.cells < 0.02 * 41**2 < many.least.folds.cells
+
+
+def test_all_nodes_are_moved_if_nothing_else_helps():
+    found = search(9)
+    found.everywhere()
+    assert found.done
+    assert len(moved(found)) > 0.9 * 39**2

@@ -8,9 +8,9 @@ from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
 from gridgen_sym.grids import corner_jacobians
-from gridgen_sym.solvers.deadline import StopRequest
+from gridgen_sym.solvers.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.frame import stretched_frames
-from gridgen_sym.solvers.middles import unfold_from_middles
+from gridgen_sym.solvers.middles import _starts, unfold_from_middles
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.progress import Progress
 
@@ -79,6 +79,22 @@ def test_a_fold_in_a_large_grid_is_unfolded_by_the_nodes_round_it():
     moved = np.argwhere((place != gg.Grid(xy).planes).any(axis=0))
     assert len(moved) > 1
     assert (abs(moved - 20) <= 4).all()
+
+
+def test_both_starts_leave_fixed_nodes_where_they_are():
+    grid = band(*BANDS[1])
+    window, free = grid.planes.copy(), np.zeros(grid.shape, dtype=bool)
+    free[1:-1, 1:-1] = True
+    free[3, 3] = False
+    window[:, 3, 3] += 1e-3
+    window[:, free] = np.random.default_rng(0).normal(size=(2, free.sum()))
+    middles, even = _starts(window, free, Deadline())
+    for start in (middles, even):
+        assert np.array_equal(start[:, ~free], window[:, ~free])
+    assert np.array_equal(even[:, free], grid.planes[:, free])
+    low, high = grid.planes.min(axis=(1, 2)), grid.planes.max(axis=(1, 2))
+    assert (middles[:, free].min(axis=1) > low).all()
+    assert (middles[:, free].max(axis=1) < high).all()
 
 
 def test_fixed_inner_nodes_stay():
