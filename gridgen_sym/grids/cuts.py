@@ -28,7 +28,7 @@ def possible_part(region: Polygon, a: Polygon, c: Polygon) -> Polygon | None:
     Returns:
         The convex hull of what is left; without corners if that is nothing, and None if it is all.
     """
-    return _left_over(region, lambda q: _turns_left(q, a, c), lambda u, v: _last_part(u, v, a, c))
+    return _left_over(region, _turning_left(region, a, c), lambda u, v: _last_part(u, v, a, c))
 
 
 def visible_part(region: Polygon, a: Polygon, obstacle: Polygon) -> Polygon | None:
@@ -40,8 +40,9 @@ def visible_part(region: Polygon, a: Polygon, obstacle: Polygon) -> Polygon | No
     Returns:
         As `possible_part`.
     """
-    shadows = [shadow for p in a if (shadow := _shadow(p, obstacle)) is not None]
-    return _left_over(region, lambda q: _in_light(q, shadows), lambda u, v: _lit_part(u, v, shadows))
+    # Who is to the right of one line of one shadow is in the light.
+    lines = [line for p in a for line in _shadow(p, obstacle)]
+    return _left_over(region, [_in_light(q, lines) for q in region], lambda u, v: _lit_part(u, v, lines))
 
 
 def halves(region: Polygon, along: tuple[int, int]) -> tuple[Polygon, Polygon]:
@@ -70,10 +71,9 @@ def common_part(region: Polygon, other: Polygon) -> Polygon:
 
 
 def _left_over(
-    region: Polygon, possible: Callable[[Point], bool], part: Callable[[Point, Point], tuple[int, int]]
+    region: Polygon, left: Sequence[bool], part: Callable[[Point, Point], tuple[int, int]]
 ) -> Polygon | None:
-    """Return what is left of a region whose impossible points are a convex set; see `possible_part`."""
-    left = [possible(q) for q in region]
+    """Return what is left of a region, given for each corner; the impossible points are a convex set."""
     if all(left):
         return None
     if not any(left):
@@ -81,63 +81,82 @@ def _left_over(
     return None if _width(region) < _SMALLEST else _cut(region, left, part)
 
 
-def _turns_left(q: Point, a: Polygon, c: Polygon) -> bool:
-    """Say whether turn(q, p, r) > 0 for some corners p of `a` and r of `c`."""
+def _turning_left(region: Polygon, a: Polygon, c: Polygon) -> list[bool]:
+    """Say for each corner q of a region whether turn(q, p, r) > 0 for some corners p of `a` and r of `c`."""
+    found = []
+    pair = None
+    for q in region:
+        # What turns to the left from one corner mostly does so from the next.
+        if pair is None or turn(q, *pair) <= 0:
+            pair = _left_turn(q, a, c)
+        found.append(pair is not None)
+    return found
+
+
+def _left_turn(q: Point, a: Polygon, c: Polygon) -> tuple[Point, Point] | None:
+    """Return corners p of `a` and r of `c` for which turn(q, p, r) > 0; None if it is for none."""
     x, y = q
     ends = [(r[0] - x, r[1] - y) for r in c]
-    return any((p[0] - x) * s - (p[1] - y) * r > 0 for p in a for r, s in ends)
+    for p in a:
+        px, py = p[0] - x, p[1] - y
+        for k, (rx, ry) in enumerate(ends):
+            if px * ry > py * rx:
+                return p, c[k]
+    return None
 
 
 def _last_part(u: Point, v: Point, a: Polygon, c: Polygon) -> tuple[int, int]:
     """Return how far from u to v, as a fraction, some turn(q, p, r) with p in `a` and r in `c` stays positive."""
-    best = (0, 1)
+    x, y = u
+    dx, dy = v[0] - x, v[1] - y
+    # From u to v a turn falls by as much as r is higher than p.
+    ends = [(r[0] - x, r[1] - y, dx * (r[1] - y) - dy * (r[0] - x)) for r in c]
+    best, whole = 0, 1
     for p in a:
-        for r in c:
-            at_u = turn(u, p, r)
-            if at_u > 0:
-                fall = at_u - turn(v, p, r)
-                if at_u * best[1] > best[0] * fall:
-                    best = (at_u, fall)
-    return best
+        px, py = p[0] - x, p[1] - y
+        height = dx * py - dy * px
+        for rx, ry, other in ends:
+            at_u = px * ry - py * rx
+            if at_u > 0 and at_u * whole > best * (other - height):
+                best, whole = at_u, other - height
+    return best, whole
 
 
 @lru_cache(maxsize=1 << 16)
-def _shadow(p: Point, obstacle: Polygon) -> tuple[Line, ...] | None:
+def _shadow(p: Point, obstacle: Polygon) -> tuple[Line, ...]:
     """Return lines to the left of all of which an open obstacle hides what is there from p.
 
-    None if p is inside the obstacle, which hides everything.
+    None are needed if p is inside the obstacle: everything is hidden.
     """
     edges = list(zip(obstacle, obstacle[1:] + obstacle[:1], strict=True))
     sides = [turn(q, r, p) for q, r in edges]
     if min(sides) > 0:
-        return None
+        return ()
     lines = [edge for edge, side in zip(edges, sides, strict=True) if side < 0]
-    for q in obstacle:
-        if q != p:
-            turns = [turn(p, q, r) for r in obstacle]
-            if min(turns) >= 0:
-                lines.append((p, q))
-            if max(turns) <= 0:
-                lines.append((q, p))
+    for k, q in enumerate(obstacle):
+        # A line from p that touches the obstacle does so where its edges begin, or cease, to face p.
+        if q != p and sides[k - 1] <= 0 <= sides[k]:
+            lines.append((p, q))
+        if q != p and sides[k - 1] >= 0 >= sides[k]:
+            lines.append((q, p))
     return tuple((t[0] - s[0], t[1] - s[1], (t[0] - s[0]) * s[1] - (t[1] - s[1]) * s[0]) for s, t in lines)
 
 
-def _in_light(q: Point, shadows: list[tuple[Line, ...]]) -> bool:
-    """Say whether q is outside some of the open shadows."""
+def _in_light(q: Point, lines: list[Line]) -> bool:
+    """Say whether q is not to the left of some line: outside an open shadow."""
     x, y = q
-    return any(dx * y - dy * x <= c for shadow in shadows for dx, dy, c in shadow)
+    return any(dx * y - dy * x <= c for dx, dy, c in lines)
 
 
-def _lit_part(u: Point, v: Point, shadows: list[tuple[Line, ...]]) -> tuple[int, int]:
+def _lit_part(u: Point, v: Point, lines: list[Line]) -> tuple[int, int]:
     """Return how far from u, which is outside some shadow, to v, which is in all, some point is outside one."""
     best = (0, 1)
-    for shadow in shadows:
-        for dx, dy, c in shadow:
-            outside = c - (dx * u[1] - dy * u[0])
-            if outside >= 0:
-                rise = dx * v[1] - dy * v[0] - c + outside
-                if outside * best[1] > best[0] * rise:
-                    best = (outside, rise)
+    for dx, dy, c in lines:
+        outside = c - (dx * u[1] - dy * u[0])
+        if outside >= 0:
+            rise = dx * v[1] - dy * v[0] - c + outside
+            if outside * best[1] > best[0] * rise:
+                best = (outside, rise)
     return best
 
 

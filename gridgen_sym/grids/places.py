@@ -26,23 +26,20 @@ class Place(NamedTuple):
         cells: a bit for every cell by which it was contracted.
         hull: the convex hull of the parts.
         box: of the hull.
+        area: twice the sum of the areas of the parts.
     """
 
     parts: tuple[Polygon, ...]
     cells: int
     hull: Polygon
     box: Box
+    area: int
 
     @classmethod
     def of(cls, parts: tuple[Polygon, ...], cells: int) -> Place:
-        """Return the place with its hull and box."""
+        """Return the place with its hull, box and area."""
         hull = parts[0] if len(parts) == 1 else convex_hull([point for part in parts for point in part])
-        return cls(parts, cells, hull, box_of(hull))
-
-    @property
-    def area(self) -> int:
-        """Twice the sum of the areas of the parts."""
-        return sum(map(doubled_area, self.parts))
+        return cls(parts, cells, hull, box_of(hull), sum(map(doubled_area, parts)))
 
 
 Places = dict[Node, Place]

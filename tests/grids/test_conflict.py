@@ -59,6 +59,15 @@ def test_no_possible_place_is_cut_off(seed):
     assert_kept(possible_part(region, a, c), region, possible)
 
 
+def test_where_a_corner_has_no_area_is_no_possible_place():
+    """To the right of a line, and on it."""
+    below, a, c = ((0, 0), (8 << 20, 0), (4 << 20, -9 << 20)), ((-1, 0),), ((-9 << 20, 0),)
+    kept = possible_part(below, a, c)
+    assert kept is None or all(inside(kept, q) for q in below)
+    assert possible_part(below, c, a) == ()
+    assert possible_part(below, a, a) == ()
+
+
 def is_hidden(p, q, obstacle):
     """Whether the segment from p to q leads through the inside of a convex polygon: it is clipped, edge after edge."""
     low, high = 0.0, 1.0
@@ -156,11 +165,80 @@ def test_what_is_outside_and_inside_of_a_polygon_is_cut_into_convex_pieces(seed,
     assert any(inside(piece, (0, 0)) for piece in pieces)
 
 
+def skyline(heights):
+    """A simple polygon, counter-clockwise, of towers two units wide, with a point at every second unit."""
+    count = len(heights)
+    ring = [(2 * x, 0) for x in range(1, count)]
+    for x, (low, high) in enumerate(zip([*heights, 0][::-1], [0, *heights][::-1], strict=True)):
+        ring += [(2 * (count - x), 2 * y) for y in range(low, high, 1 if low < high else -1)]
+        ring.append((2 * (count - x), 2 * high))
+    return ring
+
+
+@given(
+    st.lists(st.integers(1, 4), min_size=1, max_size=8), st.sampled_from([(1, 0, 0, 1), (0, -1, 1, 0), (2, 1, -3, 1)])
+)
+def test_many_points_on_one_line_are_cut_into_convex_pieces(heights, matrix):
+    """Each piece has an area, and together they have every unit of the inside, and none of the outside."""
+    a, b, c, d = matrix
+    ring = [(a * x + b * y, c * x + d * y) for x, y in skyline(heights)]
+    within, outside = inside_pieces(ring), outside_pieces(ring)
+    for pieces, area in (
+        (within, doubled_area(tuple(ring))),
+        (outside, doubled_area(convex_hull(ring)) - doubled_area(tuple(ring))),
+    ):
+        assert all(doubled_area(piece) > 0 for piece in pieces)
+        assert all(set(convex_hull(piece)) == set(piece) for piece in pieces)
+        assert sum(map(doubled_area, pieces)) == area
+        assert all(point in ring for piece in pieces for point in piece)
+    for x, height in enumerate(heights):
+        for y in range(4):
+            u, v = 2 * x + 1, 2 * y + 1
+            center = a * u + b * v, c * u + d * v
+            assert y >= height or any(inside(piece, center) for piece in within)
+            assert y >= height or not any(inside(piece, center, strictly=True) for piece in outside)
+
+
+@pytest.mark.parametrize(
+    ("point", "hidden", "seen"),
+    [
+        ((0, 0), ((9, 8), (15, 9), (9, 15)), ((0, 0), (-3, 8), (-8, -8), (8, -3))),
+        ((0, 4), ((9, 2), (15, 1), (15, 9), (9, 6)), ((0, -9), (0, 9), (-9, 0))),
+        ((0, -4), ((1, 9), (2, 9), (2, 20)), ((0, -4), (8, -8), (8, 0))),
+    ],
+    ids=["from its corner", "from its edge", "from behind its edge"],
+)
+def test_an_obstacle_hides_what_is_behind_it(point, hidden, seen):
+    """And not what the line of sight reaches along its edge."""
+    p, obstacle, behind, beside = (
+        tuple((x << 20, y << 20) for x, y in polygon)
+        for polygon in ((point,), ((0, 0), (8, 0), (8, 8), (0, 8)), hidden, seen)
+    )
+    assert visible_part(behind, p, obstacle) == ()
+    assert visible_part(convex_hull(beside), p, obstacle) is None
+
+
+def test_a_hull_has_no_corner_between_others():
+    assert set(convex_hull([(x, y) for x in range(3) for y in range(3)])) == {(0, 0), (2, 0), (2, 2), (0, 2)}
+    assert convex_hull([(2, 2), (0, 0), (1, 1)]) == ((0, 0), (2, 2))
+
+
+def test_a_polygon_with_parallel_edges_is_made_simpler():
+    """The edges above and below never meet behind the one between them."""
+    round_end = [(y**2, 1000 * y) for y in range(-10, 11)]
+    region = convex_hull([*round_end, (2**20, -10_000), (2**20, 10_000)])
+    simple = simpler(region)
+    assert len(region) > 16 == len(simple)
+    assert all(inside(simple, point) for point in region)
+
+
 @given(SEEDS, st.sampled_from([1e-300, 1e-9, 1.0, 1e300]), st.sampled_from([0.0, 1.0, 1e6]))
 def test_a_lattice_has_its_points_without_an_error(seed, scale, shift):
     points = (np.random.default_rng(seed).random((5, 2)) + shift) * scale
     lattice = Lattice(points)
     assert np.array_equal(lattice.coordinates(lattice.points(points)), points)
+    # And it is fine enough for what is rounded to be little.
+    assert max(abs(value) for point in lattice.points(points) for value in point) >= 2**70
 
 
 def assert_places_hold(grid):
