@@ -16,7 +16,7 @@ from gridgen_sym.grids.cuts import common_part, halves, possible_part, visible_p
 from gridgen_sym.grids.lattice import Lattice, convex_hull, doubled_area, simpler, turn
 from gridgen_sym.grids.network import Network, OutOfWork
 from gridgen_sym.grids.pieces import inside_pieces, outside_pieces
-from gridgen_sym.grids.places import Place
+from gridgen_sym.grids.places import Place, Rule
 
 
 def random_polygon(random, corners=8, size=2**40):
@@ -49,11 +49,12 @@ def assert_kept(part, region, possible):
         assert doubled_area(part) <= doubled_area(region) + 2**45
 
 
-@given(SEEDS)
-def test_no_possible_place_is_cut_off(seed):
+@given(SEEDS, st.sampled_from([2**40, 2**10, 6]))
+def test_no_possible_place_is_cut_off(seed, size):
+    """Nor of a place so small that it is not cut any more."""
     random = np.random.default_rng(seed)
-    region, a, c = (random_polygon(random) for _ in range(3))
-    a = moved(a, 2**41, 0)  # Apart, or else nearly every place is possible.
+    region, a, c = (random_polygon(random, size=size) for _ in range(3))
+    a = moved(a, 2 * size, 0)  # Apart, or else nearly every place is possible.
     near, others = points_in(random, a, 6), points_in(random, c, 6)
     possible = [q for q in points_in(random, region, 40) if any(turn(q, p, r) > 0 for p in near for r in others)]
     assert_kept(possible_part(region, a, c), region, possible)
@@ -123,18 +124,25 @@ def test_rounding_loses_no_point(seed):
                 assert side > 0 or inside(parts[1], (x, y))
 
 
-@given(SEEDS)
-def test_what_two_polygons_have_in_common_is_kept(seed):
+@given(SEEDS, st.sampled_from([2**40, 3]))
+def test_what_two_polygons_have_in_common_is_kept(seed, size):
     random = np.random.default_rng(seed)
-    region, other = random_polygon(random), random_polygon(random)
+    region, other = random_polygon(random, size=size), random_polygon(random, size=size)
     part = common_part(region, other)
     common = [q for q in points_in(random, region, 60) + points_in(random, other, 60)]
     common = [q for q in common if inside(region, q) and inside(other, q, strictly=True)]
     assert not common or all(inside(part, q) for q in common)
     if part:
         assert doubled_area(part) <= min(doubled_area(region), doubled_area(other)) + 2**45
-    apart = moved(other, 2**42, 0)
-    assert common_part(region, apart) == ()
+    right = max(x for x, _ in region) - min(x for x, _ in other)
+    assert common_part(region, moved(other, right + 2**20, 0)) == ()
+
+
+def test_polygons_with_a_common_edge_have_nothing_else_in_common():
+    square = ((0, 0), (2**40, 0), (2**40, 2**40), (0, 2**40))
+    assert common_part(square, moved(square, 2**40, 0)) == ()
+    assert common_part(square, moved(square, 2**40, 2**40)) == ()
+    assert common_part(square, square) == square
 
 
 @given(SEEDS)
@@ -329,6 +337,49 @@ def test_what_is_learned_keeps_its_reasons():
     places = {(1, 1): Place.of(whole, 1), (1, 2): Place.of(whole, 8)}
     _learn(places, {**places, (1, 1): Place.of(part, 3)}, 4)
     assert places == {(1, 1): Place.of(part, 7), (1, 2): Place.of(whole, 8)}
+
+
+def test_what_a_rule_says_follows_from_its_cell_and_from_the_places_of_its_nodes():
+    place = (((0, 0), (4, 0), (0, 4)),)
+    places = {(1, k): Place.of(place, 1 << k) for k in range(4)}
+    assert Rule((1, 0), ((1, 1), (1, 2)), (), 1 << 5).reasons(places) == 0b100111
+
+
+class Answers:
+    """A network that answers to each question what it is told, and remembers the questions."""
+
+    hull = ((0, 0), (64, 0), (64, 64), (0, 64))
+
+    def __init__(self, *answers, free=((1, 1),)):
+        self.answers, self.free, self.asked = list(answers), free, []
+
+    def contract(self, case, node):
+        self.asked.append(case[node].cells)
+        return self.answers.pop(0)
+
+
+def test_the_reasons_of_all_cases_are_those_of_a_conflict():
+    places = {(1, 1): Place.of((Answers.hull,), 1)}
+    both = Answers(2, 4)
+    assert _contradiction(both, places.copy()) == 6
+    assert both.asked == [1, 3]  # What excludes one half is a reason for the other.
+    # Of the first question one half is left, and then each of two, which have no place.
+    network, known = Answers(2, None, None, None, 8, 16, 32, 64), places.copy()
+    assert _contradiction(network, known) == 120
+    assert network.asked == [1, 3, 3, 3, 3, 11, 3, 35]
+    assert known[1, 1].cells == 3
+    # The second half may be excluded, too.
+    network, known = Answers(None, 2, 4, 8), places.copy()
+    assert _contradiction(network, known) == 12
+    assert network.asked == [1, 1, 3, 7]
+    assert not network.answers
+
+
+def test_what_cannot_be_told_apart_is_no_proof():
+    places = {(1, 1): Place.of((Answers.hull,), 1)}
+    assert _contradiction(Answers(free=()), places) is None
+    thin = {(1, 1): Place.of((((0, 0), (64, 64)),), 1)}
+    assert _contradiction(Answers(*[None] * 4), thin) is None
 
 
 def test_out_of_work_is_no_proof():
