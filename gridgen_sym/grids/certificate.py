@@ -41,7 +41,8 @@ class Certificate:
         kind: 'coincident': two neighbors are one point; 'crossing': the boundary crosses itself, so that cells must be
             turned over; 'clockwise': the boundary runs clockwise, which can be repaired; 'corner': the three fixed
             nodes at a logical corner turn the wrong way; 'spike': the boundary runs back on itself at a node; 'neck':
-            there is no place for an inner node; 'conflict': some cells cannot all be valid, which a search has shown.
+            there is no place for an inner node; 'conflict': some cells cannot all be valid while the others are, which
+            a search has shown.
         nodes: indices (i, j) of the nodes that prove it. Two for 'coincident'; the ends of two edges for 'crossing';
             before, at and after the place for 'corner' and 'spike'; the inner node and pairs of boundary nodes, to
             the left of each of which it would have to lie, for 'neck'; none for 'clockwise'; the four of each cell,
@@ -252,8 +253,8 @@ def _conflict(grid: Grid, conflict: Conflict) -> Certificate:
     more = f" and {len(conflict.cells) - _MOST_NAMED} more" if len(conflict.cells) > _MOST_NAMED else ""
     message = (
         f"no valid grid exists: near {_text(point)} there is no room for the inner nodes: wherever they are, not all "
-        f"of the {len(conflict.cells)} cells {named}{more} can be valid. Take more cells there, or place the "
-        "boundary's nodes otherwise"
+        f"of the {len(conflict.cells)} cells {named}{more} can be valid while every other cell is. Take more cells "
+        "there, or place the boundary's nodes otherwise"
     )
     return Certificate("conflict", nodes, point, {"cells": len(conflict.cells)}, message)
 

@@ -12,11 +12,11 @@ from support_boundaries import SEEDS, flat_polygon, grid_of_ring, smooth_curve, 
 
 import gridgen_sym as gg
 from gridgen_sym.grids.conflict import WORK, Conflict, _contradiction, _learn, contracted_places, find_conflict
-from gridgen_sym.grids.cuts import common_part, halves, possible_part, visible_part
+from gridgen_sym.grids.cuts import _holds, common_part, halves, possible_part, visible_part
 from gridgen_sym.grids.lattice import Lattice, convex_hull, doubled_area, simpler, turn
 from gridgen_sym.grids.network import Network, OutOfWork
 from gridgen_sym.grids.pieces import inside_pieces, outside_pieces
-from gridgen_sym.grids.places import Place, Rule
+from gridgen_sym.grids.places import Place, Rule, box_of, overlap
 
 
 def random_polygon(random, corners=8, size=2**40):
@@ -328,6 +328,8 @@ def test_a_certificate_of_the_search_names_cells():
     assert len(proof.nodes) == 4 * proof.numbers["cells"] <= 4 * most
     for i, j in proof.nodes[::4]:
         assert f"({i}, {j})" in proof.message
+        # If others were folded, there would be room.
+        assert "while every other cell is" in proof.message
         assert proof.nodes[proof.nodes.index((i, j)) :][:4] == ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))
     assert gg.untangle(start).certificates[0].kind == "conflict"
 
@@ -343,6 +345,59 @@ def test_what_a_rule_says_follows_from_its_cell_and_from_the_places_of_its_nodes
     place = (((0, 0), (4, 0), (0, 4)),)
     places = {(1, k): Place.of(place, 1 << k) for k in range(4)}
     assert Rule((1, 0), ((1, 1), (1, 2)), (), 1 << 5).reasons(places) == 0b100111
+
+
+def units(*points):
+    return tuple((x << 20, y << 20) for x, y in points)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_node_may_see_any_part_of_the_place_of_another(order):
+    """From above an obstacle the upper part of what is behind it is seen, and from below the lower."""
+    wall = units((0, 0), (8, 0), (8, 8), (0, 8))
+    behind = units((9, -6), (14, 4), (9, 14))
+    above, below, before = (units((-3, y), (-2, y), (-2, y + 1)) for y in (20, -12, 3))
+    rule = Rule((1, 1), ((1, 2),), ((wall, box_of(wall)),), 1)
+
+    def left(*parts):
+        return rule.left({(1, 1): Place.of((behind,), 0), (1, 2): Place.of(parts[::order], 0)})[0]
+
+    assert left(before) == ()
+    for parts in ((above,), (before, above)):
+        (upper,) = left(*parts)
+        assert [inside(upper, point) for point in behind] == [False, True, True]
+    (whole,) = left(above, below)
+    assert all(inside(whole, point) for point in behind)
+
+
+def test_each_part_of_a_place_is_contracted():
+    left, right, middle = (
+        units((-4, 0), (-2, 0), (-2, 2)),
+        units((2, 0), (4, 0), (4, 2)),
+        units((-1, 0), (1, 0), (0, 3)),
+    )
+    line = (units((0, 0)), units((0, 1)))
+    places = {(0, k): Place.of((end,), 0) for k, end in enumerate(line)}
+    place = places[1, 1] = Place.of((left, right, middle), 0)
+    assert all(inside(place.hull, point) for part in place.parts for point in part)
+    assert place.box == box_of(left + right + middle)
+    assert place.area == sum(map(doubled_area, place.parts))
+    parts, _ = Rule((1, 1), ((0, 0), (0, 1)), (), 1).left(places)
+    assert len(parts) == 2
+    assert parts[0] == left
+    assert [inside(parts[1], point) for point in middle] == [True, False, True]
+
+
+def test_boxes_overlap_by_more_than_a_side():
+    box = (0, 4, 0, 4)
+    assert all(overlap(box, (x, x + 4, y, y + 4)) for x in (-3, 0, 3) for y in (-3, 0, 3))
+    assert not any(overlap(box, (x, x + 4, y, y + 4)) for x, y in ((-4, 0), (4, 0), (0, -4), (0, 4), (4, 4)))
+
+
+def test_a_polygon_without_area_holds_nothing():
+    assert not any(_holds(polygon, (3, 0, 1)) for polygon in ((), ((3, 0),), ((0, 0), (2, 0)), ((0, 0), (9, 0))))
+    assert _holds(((0, 0), (4, 0), (0, 4)), (7, 0, 2))
+    assert not _holds(((0, 0), (4, 0), (0, 4)), (9, 0, 2))
 
 
 class Answers:
