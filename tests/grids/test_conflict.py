@@ -388,6 +388,26 @@ def test_each_part_of_a_place_is_contracted():
     assert [inside(parts[1], point) for point in middle] == [True, False, True]
 
 
+def test_a_place_is_divided_into_what_is_inside_the_boundary():
+    """Of a place without such a part the reasons are those of a conflict."""
+    ring = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2), (0, 1)], dtype=float)
+    network = Network(grid_of_ring(ring, 3, 3), [(0, 0)], 100)
+
+    def place(*points):
+        return Place.of((convex_hull(network.lattice.points(np.array(points))),), 0b1000)
+
+    notch, across = place((1.2, 1.2), (1.6, 1.2), (1.2, 1.6)), place((0.2, 1.8), (1.8, 0.2), (1.5, 1.5))
+    assert network.divide({**network.start, (1, 1): notch}) == 0b1000
+    places = {**network.start, (1, 1): across}
+    network._rules.clear()
+    assert network.divide(places) is None
+    assert places[1, 1].cells == 0b1000
+    assert len(places[1, 1].parts) > 1
+    assert places[1, 1].area < 0.8 * across.area
+    for x, y in ((0.3, 1.75), (1.75, 0.3), (0.98, 1.1), (1.1, 0.98)):
+        assert any(inside(part, *network.lattice.points(np.array([(x, y)]))) for part in places[1, 1].parts)
+
+
 def test_boxes_overlap_by_more_than_a_side():
     box = (0, 4, 0, 4)
     assert all(overlap(box, (x, x + 4, y, y + 4)) for x in (-3, 0, 3) for y in (-3, 0, 3))
