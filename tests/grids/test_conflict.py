@@ -420,6 +420,12 @@ def test_a_polygon_without_area_holds_nothing():
     assert not _holds(((0, 0), (4, 0), (0, 4)), (9, 0, 2))
 
 
+def test_bits_stand_for_cells():
+    network = Network(gg.domain("square", 3, 3), [(1, 1), (0, 1), (0, 0), (1, 0)], 100)
+    assert network.named(0b0101) == ((0, 0), (1, 0))
+    assert {rule.cell for rule in network._rules} == {1, 2, 4, 8}
+
+
 class Answers:
     """A network that answers to each question what it is told, and remembers the questions."""
 
