@@ -1,6 +1,10 @@
 """Settings of the site: those of every page, and what the site alone has."""
 
+import os
 from pathlib import Path
+
+# Before NumPy is loaded: for small systems, as in the gallery, the threads of BLAS wait longer than they work.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from gridgen_sym.documentation.gallery import gallery_settings
 from gridgen_sym.documentation.settings import settings

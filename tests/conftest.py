@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import os
 
+# Before NumPy is loaded. Where other programs have the processors, too, the threads of BLAS wait for each other longer
+# than they work: a sparse solver that takes a second then takes a minute.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import HealthCheck, settings
 
