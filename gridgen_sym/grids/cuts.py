@@ -50,24 +50,25 @@ def halves(region: Polygon, along: tuple[int, int]) -> tuple[Polygon, Polygon]:
     dx, dy = along
     middle = sum(dx * y - dy * x for x, y in region)
     heights = {(x, y): len(region) * (dx * y - dy * x) - middle for x, y in region}
-    parts = []
-    for sign in (1, -1):
-        inside = [sign * heights[point] >= 0 for point in region]
-        whole = all(inside)
-        parts.append(region if whole else _cut(region, inside, lambda u, v: (abs(heights[u]), _gap(heights, u, v))))
-    return parts[0], parts[1]
+    return _above(region, heights), _above(region, {point: -height for point, height in heights.items()})
 
 
 def common_part(region: Polygon, other: Polygon) -> Polygon:
     """Return a polygon that holds what two convex polygons have in common, and little more; () if that is nothing."""
     for p, q in zip(other, other[1:] + other[:1], strict=True):
         heights = {point: turn(p, q, point) for point in region}
-        inside = [heights[point] >= 0 for point in region]
         if max(heights.values()) <= 0:
             return ()
-        if not all(inside):
-            region = _cut(region, inside, lambda u, v: (abs(heights[u]), _gap(heights, u, v)))  # noqa: B023
+        region = _above(region, heights)
     return region
+
+
+def _above(region: Polygon, heights: dict[Point, int]) -> Polygon:
+    """Return a polygon that holds the part of a region where an affine function is not negative."""
+    inside = [heights[point] >= 0 for point in region]
+    if all(inside):
+        return region
+    return _cut(region, inside, lambda u, v: (abs(heights[u]), abs(heights[u] - heights[v])))
 
 
 def _left_over(
@@ -190,10 +191,6 @@ def _cut(region: Polygon, inside: Sequence[bool], part: Callable[[Point, Point],
     kept = [v for v, stays_in in zip(region, inside, strict=True) if stays_in]
     around = [(x // d + right, y // d + up) for x, y, d in ends for right in (0, 1) for up in (0, 1)]
     return convex_hull(kept + around)
-
-
-def _gap(heights: dict[Point, int], u: Point, v: Point) -> int:
-    return abs(heights[u] - heights[v])
 
 
 def _holds(polygon: Polygon, end: tuple[int, int, int]) -> bool:

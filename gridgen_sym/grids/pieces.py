@@ -1,4 +1,4 @@
-"""What lies between a boundary that does not meet itself and its convex hull, in convex pieces."""
+"""The inside of a boundary that does not meet itself, and what lies between it and its convex hull, in convex pieces."""
 
 from __future__ import annotations
 
