@@ -1,4 +1,4 @@
-"""The inside of a boundary that does not meet itself, and what lies between it and its convex hull, in convex pieces."""
+"""The inside of a boundary that does not meet itself, and what its convex hull has outside of it, in convex pieces."""
 
 from __future__ import annotations
 
