@@ -1,4 +1,4 @@
-"""What untangling says of random boundaries: a valid grid, a proof that there is none, or neither.
+"""What untangling says of random boundaries: a valid grid, a proof that there is none or no good one, or neither.
 
 The boundaries are those of the property-based tests, `tests/support_boundaries.py`.
 """
@@ -26,18 +26,21 @@ KINDS = {
     "star, radii from 1e-6": (star_polygon, 1e-6),
     "band, 1:100": (flat_polygon, 1e-2),
 }
-_OUTCOMES = ("quick proof", "searched proof", "valid", "longer search", "undecided")
+_OUTCOMES = ("quick proof", "searched proof", "valid", "longer search", "nearly folded", "undecided")
 
 
 def outcome(start: gg.Grid, work: int | None) -> str:
-    """Return what becomes of one boundary; what is undecided is searched with more work, if that is given."""
+    """Return what becomes of one boundary; what is not proved is searched with more work, if that is given."""
     if gg.certificates(start):
         return "quick proof"
     result = gg.untangle(start, progress=False)
     if result.quality.valid:
         return "valid"
-    longer = work and not result.certificates and gg.certificates(result.grid, search=True, work=work)
-    return "searched proof" if result.certificates else "longer search" if longer else "undecided"
+    if any(proof.impossible for proof in result.certificates):
+        return "searched proof"
+    if work and gg.certificates(result.grid, search=True, work=work):
+        return "longer search"
+    return "nearly folded" if result.certificates else "undecided"
 
 
 def main() -> None:

@@ -38,6 +38,11 @@ where the boundary does not meet itself the nodes of a cell must see each other 
 is cut along convex pieces of the boundary's inside, so that it bends as the boundary does. Where that ends, places
 are halved, and both cases are followed up. A node that is left without a place is the proof, for all signs are those
 of whole numbers; the certificate names cells that cannot all be valid.
+
+The same search tells more where J shall not only be positive but exceed a part of the area that the spacing of the
+boundary's nodes gives the cell. The larger that part, the smaller are the places, until there are none. So it is found
+how good a grid can be at best: from the middle of these last places valid grids are found that no energy leads to, and
+where none is, a certificate of kind `sliver` proves that every valid grid is nearly folded.
 """
 
 LIST_TEXT = (

@@ -46,6 +46,7 @@ from .grids import plot_grid as plot_grid
 from .grids import plot_grids as plot_grids
 from .grids import quality as quality
 from .grids import read as read
+from .grids import sliver_certificate as sliver_certificate
 from .grids import transfinite as transfinite
 from .grids import write as write
 from .solvers import Result as Result

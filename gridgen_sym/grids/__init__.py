@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from .certificate import Certificate as Certificate
-from .certificate import certificates as certificates
 from .corners import CornerChoice as CornerChoice
 from .domains import domain as domain
 from .domains import domain_description as domain_description
@@ -17,6 +16,8 @@ from .outline import Outline as Outline
 from .plot import plot_grid as plot_grid
 from .plot import plot_grids as plot_grids
 from .plot_certificate import plot_certificates as plot_certificates
+from .proofs import certificates as certificates
+from .proofs import sliver_certificate as sliver_certificate
 from .quality import Quality as Quality
 from .quality import quality as quality
 from .transfinite import transfinite as transfinite

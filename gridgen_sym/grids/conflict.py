@@ -15,7 +15,7 @@ from fractions import Fraction
 import numpy as np
 
 from .cuts import halves
-from .grid import FloatArray, Grid, corner_jacobians
+from .grid import FloatArray, Grid
 from .lattice import Polygon, doubled_area
 from .neck import Node
 from .network import Network, OutOfWork
@@ -23,13 +23,9 @@ from .places import Place, Places
 
 #: Rules that may be used in one attempt to find a proof: for a first look, and where nothing else helps.
 LITTLE_WORK, WORK = 10_000, 100_000
-#: To show that still fewer cells conflict: so many times the work of the proof that is known, and so much in all.
-_PATIENCE, _ALTOGETHER = 2, 20_000
 #: Of so many nodes, those with the largest places, these are cut in halves to see what that tells. Area knows no
 #: direction, so that a thin band is like any other.
 _TRIED = 15
-#: Cells up to so many cells from a folded one are looked at, at first and then.
-_LAYERS = (3, 9)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,34 +35,15 @@ class Conflict:
     Attributes:
         cells: each by its first node (i, j).
         work: how many rules were used to prove it.
+        share: what cannot be is that their corner Jacobians all exceed this part of their expected areas: at 0, that
+            all are valid.
+        cases: whether cases had to be told apart.
     """
 
     cells: tuple[Node, ...]
     work: int
-
-
-def find_conflict(grid: Grid, work: int = LITTLE_WORK, check: Callable[[], object] | None = None) -> Conflict | None:
-    """Search near the folded cells of a grid for a proof that no valid grid has its boundary nodes.
-
-    Args:
-        grid: any grid; its folds are hints where to search, and the less folded it is, the better. Where its inner
-            nodes are does not matter otherwise.
-        work: how many rules may be used in each of a few attempts, which bounds the time.
-        check: called again and again; what it raises ends the search.
-
-    Returns:
-        Cells that conflict, as few as are found. None if no proof was found.
-    """
-    before: set[Node] = set()
-    for layers in _LAYERS:
-        cells = _near_folds(grid, layers)
-        for cases in (False, True):
-            if cells and cells != before:
-                found = contracted_places(grid, cells, work, cases=cases, check=check)
-                if isinstance(found, Conflict):
-                    return _fewest(grid, found, cases, check)
-        before = cells
-    return None
+    share: float = 0.0
+    cases: bool = True
 
 
 def contracted_places(
@@ -74,15 +51,19 @@ def contracted_places(
     cells: Iterable[Node] | None = None,
     work: int = LITTLE_WORK,
     *,
+    share: float = 0.0,
     cases: bool = True,
     check: Callable[[], object] | None = None,
 ) -> dict[Node, tuple[FloatArray, ...]] | Conflict:
     """Return where each inner node of some cells lies in every valid grid with the same boundary nodes, or a proof.
 
+    With a share, in every grid whose corner Jacobians exceed it: its nodes have less choice, the more so the larger.
+
     Args:
         grid: any grid with the boundary nodes; its inner nodes do not matter.
         cells: each by its first node (i, j); all cells if None. Only what these say is used.
         work: how many rules may be used.
+        share: corner Jacobians exceed this part of the area that the boundary's spacing gives their cell.
         cases: False to look at corners only, and to tell no cases apart: this is quick, and proves less.
         check: called again and again; what it raises ends the work.
 
@@ -92,7 +73,7 @@ def contracted_places(
     """
     ni, nj = grid.shape
     every = [(i, j) for i in range(ni - 1) for j in range(nj - 1)]
-    network = Network(grid, every if cells is None else cells, work, sight=cases, check=check)
+    network = Network(grid, every if cells is None else cells, work, share=share, sight=cases, check=check)
     places = network.start.copy()
     try:
         why = network.contract(places)
@@ -103,21 +84,11 @@ def contracted_places(
     except OutOfWork:
         why = None
     if why is not None:
-        return Conflict(network.named(why), work - network.work)
+        return Conflict(network.named(why), work - network.work, share, cases)
     return {
         node: tuple(map(network.lattice.coordinates, sorted(places[node].parts, key=doubled_area, reverse=True)))
         for node in network.free
     }
-
-
-def _near_folds(grid: Grid, layers: int) -> set[Node]:
-    """Return the cells up to some cells from a folded one."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        folded = np.argwhere(~(corner_jacobians(grid.x, grid.y) > 0).all(axis=0))
-    near = np.zeros((grid.shape[0] - 1, grid.shape[1] - 1), dtype=bool)
-    for i, j in folded:
-        near[max(i - layers, 0) : i + layers + 1, max(j - layers, 0) : j + layers + 1] = True
-    return {(int(i), int(j)) for i, j in np.argwhere(near)}
 
 
 def _contradiction(network: Network, places: Places) -> int | None:
@@ -212,14 +183,3 @@ def _moments(region: Polygon) -> FloatArray:
     size = max(max(abs(x - x0), abs(y - y0)) for x, y in region) or 1
     points = np.array([((x - x0) / size, (y - y0) / size) for x, y in region])
     return np.asarray(np.cov(points.T))
-
-
-def _fewest(grid: Grid, conflict: Conflict, cases: bool, check: Callable[[], object] | None) -> Conflict:
-    """Leave out cells of a conflict as long as the others still conflict, and that is shown with as little work."""
-    kept, each, left = conflict.cells, _PATIENCE * conflict.work, _ALTOGETHER
-    for cell in conflict.cells:
-        if cell in kept and left > 0:
-            fewer = contracted_places(grid, [other for other in kept if other != cell], each, cases=cases, check=check)
-            left -= fewer.work if isinstance(fewer, Conflict) else each
-            kept = fewer.cells if isinstance(fewer, Conflict) else kept
-    return Conflict(kept, conflict.work)

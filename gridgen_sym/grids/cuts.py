@@ -18,17 +18,17 @@ Line = tuple[int, int, int]
 _SMALLEST = 1 << 12
 
 
-def possible_part(region: Polygon, a: Polygon, c: Polygon) -> Polygon | None:
-    """Return a polygon with all q in `region` that turn to the left to some point of `a` and on to one of `c`.
+def possible_part(region: Polygon, a: Polygon, c: Polygon, least: int = 0) -> Polygon | None:
+    """Return a polygon with all q in `region` for which turn(q, p, r) > `least` for some p in `a` and r in `c`.
 
-    turn(q, p, r) is affine in each of the three. So it is positive for some p in `a` and r in `c` exactly if it is for
+    turn(q, p, r) is affine in each of the three. So it is larger for some p in `a` and r in `c` exactly if it is for
     corners of them. Where it is for none, q is in a convex set, and at the corners of what is left of the region
     are corners of it and points on its edges.
 
     Returns:
         The convex hull of what is left; without corners if that is nothing, and None if it is all.
     """
-    return _left_over(region, _turning_left(region, a, c), lambda u, v: _last_part(u, v, a, c))
+    return _left_over(region, _turning_left(region, a, c, least), lambda u, v: _last_part(u, v, a, c, least))
 
 
 def visible_part(region: Polygon, a: Polygon, obstacle: Polygon) -> Polygon | None:
@@ -82,32 +82,32 @@ def _left_over(
     return None if _width(region) < _SMALLEST else _cut(region, left, part)
 
 
-def _turning_left(region: Polygon, a: Polygon, c: Polygon) -> list[bool]:
-    """Say for each corner q of a region whether turn(q, p, r) > 0 for some corners p of `a` and r of `c`."""
+def _turning_left(region: Polygon, a: Polygon, c: Polygon, least: int) -> list[bool]:
+    """Say for each corner q of a region whether turn(q, p, r) > `least` for some corners p of `a` and r of `c`."""
     found = []
     pair = None
     for q in region:
         # What turns to the left from one corner mostly does so from the next.
-        if pair is None or turn(q, *pair) <= 0:
-            pair = _left_turn(q, a, c)
+        if pair is None or turn(q, *pair) <= least:
+            pair = _left_turn(q, a, c, least)
         found.append(pair is not None)
     return found
 
 
-def _left_turn(q: Point, a: Polygon, c: Polygon) -> tuple[Point, Point] | None:
-    """Return corners p of `a` and r of `c` for which turn(q, p, r) > 0; None if it is for none."""
+def _left_turn(q: Point, a: Polygon, c: Polygon, least: int) -> tuple[Point, Point] | None:
+    """Return corners p of `a` and r of `c` for which turn(q, p, r) > `least`; None if it is for none."""
     x, y = q
     ends = [(r[0] - x, r[1] - y) for r in c]
     for p in a:
         px, py = p[0] - x, p[1] - y
         for k, (rx, ry) in enumerate(ends):
-            if px * ry > py * rx:
+            if px * ry - py * rx > least:
                 return p, c[k]
     return None
 
 
-def _last_part(u: Point, v: Point, a: Polygon, c: Polygon) -> tuple[int, int]:
-    """Return how far from u to v, as a fraction, some turn(q, p, r) with p in `a` and r in `c` stays positive."""
+def _last_part(u: Point, v: Point, a: Polygon, c: Polygon, least: int) -> tuple[int, int]:
+    """Return how far from u to v, as a fraction, some turn(q, p, r) with p in `a`, r in `c` stays above `least`."""
     x, y = u
     dx, dy = v[0] - x, v[1] - y
     # From u to v a turn falls by as much as r is higher than p.
@@ -117,7 +117,7 @@ def _last_part(u: Point, v: Point, a: Polygon, c: Polygon) -> tuple[int, int]:
         px, py = p[0] - x, p[1] - y
         height = dx * py - dy * px
         for rx, ry, other in ends:
-            at_u = px * ry - py * rx
+            at_u = px * ry - py * rx - least
             if at_u > 0 and at_u * whole > best * (other - height):
                 best, whole = at_u, other - height
     return best, whole

@@ -8,18 +8,21 @@ one on the boundary, and nowhere turned over, so it is one to one): there every 
 two nodes of a cell does not lead through what lies outside.
 
 From there the places are contracted. If nothing is left for a node, there is no valid grid: this is a proof, for all
-signs are those of whole numbers.
+signs are those of whole numbers. The same rules, with a part of each cell's expected area instead of zero, prove that
+no grid is better than nearly folded.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from fractions import Fraction
 from itertools import combinations, permutations
 
 from .cuts import common_part
+from .expected_areas import expected_areas
 from .grid import Grid, boundary_indices
-from .lattice import Lattice, Point, Polygon, convex_hull, simpler
+from .lattice import Lattice, Point, Polygon, convex_hull, doubled_area, simpler
 from .neck import Node
 from .pieces import inside_pieces, outside_pieces
 from .places import Place, Places, Rule, box_of, overlap
@@ -57,6 +60,7 @@ class Network:
         cells: Iterable[Node],
         work: int,
         *,
+        share: float = 0.0,
         sight: bool = True,
         check: Callable[[], object] | None = None,
     ) -> None:
@@ -66,6 +70,7 @@ class Network:
             grid: has the boundary.
             cells: those whose corners count.
             work: how many rules may be used.
+            share: corner Jacobians exceed this part of the expected area of their cell; 0 says that they are positive.
             sight: whether nodes of a cell must see each other, too.
             check: called again and again; what it raises ends the work.
         """
@@ -80,7 +85,8 @@ class Network:
         self.free = [node for node in nodes if node not in fixed]
         whole = Place.of((self.hull,), 0)
         self.start: Places = {node: Place.of(((fixed[node],),), 0) if node in fixed else whole for node in nodes}
-        self._rules = [rule for rule in self._corner_rules() if rule.node not in fixed]
+        least = self._least_jacobians(grid, share, points)
+        self._rules = [rule for rule in self._corner_rules(least) if rule.node not in fixed]
         self._corners = len(self._rules)
         self._inside: list[Polygon] = []
         if sight and first_crossing(ring) is None:
@@ -92,12 +98,19 @@ class Network:
             for node in rule.others:
                 self._with[node].append(number)
 
-    def _corner_rules(self) -> Iterator[Rule]:
+    def _least_jacobians(self, grid: Grid, share: float, ring: list[Point]) -> list[int]:
+        """Return what the Jacobians at the corners of each cell must exceed, rounded down."""
+        if not share:
+            return [0] * len(self.cells)
+        parts, inside = share * expected_areas(grid), Fraction(max(doubled_area(tuple(ring)), 0), 2)
+        return [int(Fraction(parts[cell]) * inside) for cell in self.cells]
+
+    def _corner_rules(self, least: list[int]) -> Iterator[Rule]:
         """Return what the corners of the cells say."""
         for number, cell in enumerate(self.cells):
             for corner in combinations(nodes_of(cell), 3):
                 for k in range(3):
-                    yield Rule(corner[k], (corner[k - 2], corner[k - 1]), (), 1 << number)
+                    yield Rule(corner[k], (corner[k - 2], corner[k - 1]), (), 1 << number, least[number])
 
     def _sight_rules(self, fixed: dict[Node, Point]) -> Iterator[Rule]:
         """Return what it says that nodes of a cell see each other, past what is outside near them."""

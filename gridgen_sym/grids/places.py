@@ -50,15 +50,17 @@ class Rule(NamedTuple):
 
     Attributes:
         node: the one.
-        others: two of them are at a corner of a cell with it: turn(node, *others) > 0. One must be seen from it.
+        others: two of them are at a corner of a cell with it: turn(node, *others) > `least`. One must be seen from it.
         obstacles: what may hide the one other node, each with its box.
         cell: a bit that stands for the cell.
+        least: what the Jacobian at the corner must exceed.
     """
 
     node: Node
     others: tuple[Node, ...]
     obstacles: tuple[tuple[Polygon, Box], ...]
     cell: int
+    least: int = 0
 
     def left(self, places: Places) -> tuple[tuple[Polygon, ...] | None, int]:
         """Return what is left of the node's place, None for all, and how much work that was."""
@@ -69,7 +71,7 @@ class Rule(NamedTuple):
             if self.obstacles:
                 rest, more = _seen(part, others[0], self.obstacles)
             else:
-                rest, more = possible_part(part, *(other.hull for other in others)), 1
+                rest, more = possible_part(part, others[0].hull, others[1].hull, self.least), 1
             work += more
             same = same and rest is None
             if rest is None or len(rest) > 2:

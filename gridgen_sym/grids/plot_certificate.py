@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import GridgenError
-from .certificate import Certificate, certificates
+from .certificate import Certificate
 from .grid import FloatArray, Grid
 from .plot import ALARM, draw_grid, new_figure, save
+from .proofs import certificates
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +29,7 @@ _NAMES = {
     "spike": "the boundary runs back",
     "neck": "no place for an inner node",
     "conflict": "{cells:.0f} cells cannot all be valid",
+    "sliver": "one of {cells:.0f} cells is nearly folded",
 }
 
 
@@ -55,7 +57,8 @@ def plot_certificates(
     figure = new_figure(4.2 * (1 + len(shown)), 4.6)
     whole = figure.add_subplot(1, 1 + len(shown), 1)
     more = f", {len(shown)} of {len(found)} shown" if len(found) > len(shown) else ""
-    draw_grid(whole, grid, f"no valid grid exists{more}")
+    told = "no valid grid exists" if any(proof.impossible for proof in found) else "every grid is nearly folded"
+    draw_grid(whole, grid, f"{told}{more}")
     for number, certificate in enumerate(shown, start=1):
         _label(whole, certificate.point, str(number))
         axes = figure.add_subplot(1, 1 + len(shown), 1 + number)
@@ -75,7 +78,7 @@ def _draw_certificate(axes: Axes, grid: Grid, certificate: Certificate) -> None:
     inner = np.array([0 < i < ni - 1 and 0 < j < nj - 1 for i, j in certificate.nodes], dtype=bool)
     fixed = nodes[~inner]
     axes.plot(*fixed.T, linestyle="none", marker="o", markersize=5, color=ALARM, zorder=7)
-    if certificate.kind == "conflict":
+    if certificate.kind in ("conflict", "sliver"):
         _draw_cells(axes, nodes.reshape(-1, 4, 2))
         return
     for edge in _edges(nodes, certificate.kind):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..functionals.definition import Functional
-from ..grids import Certificate, Grid, certificates, corner_jacobians, quality
+from ..grids import Certificate, Grid, certificates, corner_jacobians, quality, sliver_certificate
 from ..grids.conflict import LITTLE_WORK, WORK
 from ..grids.grid import boundary_indices
 from ..grids.predicates import area_sign
@@ -35,7 +35,9 @@ class Run:
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
         said: what to say before the solver's own message.
-        proofs: that no valid grid has this boundary, where untangling could not find one; None as long as it might.
+        proofs: that no valid grid has this boundary, or no good one, where untangling could not find one; None as long
+            as nothing was searched.
+        explained: whether the solver's message says what is folded, and why.
     """
 
     problem: Problem
@@ -47,6 +49,7 @@ class Run:
     reference: float | None = None
     said: str = ""
     proofs: tuple[Certificate, ...] | None = None
+    explained: bool = False
 
     @property
     def to_untangle(self) -> bool:
@@ -103,14 +106,18 @@ class Run:
     def _lift_or_prove(self) -> bool:
         """Lift what is folded from the middles of places, unless a proof says that this is in vain; return if valid.
 
-        The search for a proof is short at first, and long where lifting does not help, either.
+        All searches are short at first, and long where these do not help. Where not even that is proved, that every
+        grid is nearly folded, there mostly is a valid one.
         """
-        proofs = self._search(LITTLE_WORK)
-        if not proofs:
-            if unfold_from_middles(self.problem, self.coordinates, self.report):
-                return True
-            proofs = self._search(WORK)
-        self.proofs = proofs
+        self.proofs = self._search(LITTLE_WORK) or None
+        if self.proofs:
+            return False
+        if unfold_from_middles(self.problem, self.coordinates, self.report):
+            return True
+        self.proofs = self._search_sliver(LITTLE_WORK)
+        if not self.proofs and unfold_from_middles(self.problem, self.coordinates, self.report, WORK):
+            return True
+        self.proofs = self._search(WORK) or self.proofs or self._search_sliver(WORK)
         return False
 
     def _search(self, work: int) -> tuple[Certificate, ...]:
@@ -118,6 +125,11 @@ class Run:
         self.report.display("searching for a proof that there is no valid grid")
         grid = Grid.from_planes(*self.coordinates)
         return certificates(grid, search=True, work=work, check=self.report.deadline.check)
+
+    def _search_sliver(self, work: int) -> tuple[Certificate, ...]:
+        """Search for the proof that every grid of this boundary is nearly folded."""
+        sliver = sliver_certificate(Grid.from_planes(*self.coordinates), work=work, check=self.report.deadline.check)
+        return (sliver,) if sliver else ()
 
     @property
     def _encloses_nothing(self) -> bool:
@@ -130,9 +142,12 @@ class Run:
         told = "this is the start."
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
+        self.explained = True
         if self.proofs is None:
             self.proofs = certificates(Grid.from_planes(*self.coordinates))
-        proofs = _proofs_text(self.proofs) or _NO_PROOF
+        proofs = _proofs_text(self.proofs)
+        if not any(proof.impossible for proof in self.proofs):
+            proofs = f"{_NO_PROOF} {proofs}".strip()
         return f"{told} {quality(Grid.from_planes(*self.coordinates)).describe_folds()}\n{proofs}"
 
     def result(self, converged: bool, message: str, stopped_by: Stop | None) -> Result:
@@ -144,7 +159,7 @@ class Run:
         proofs: tuple[Certificate, ...] = ()
         if not smallest > 0:
             proofs = certificates(grid) if self.proofs is None else self.proofs
-            if self.proofs is None:
+            if not self.explained:
                 folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
                 message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}"
         return Result(

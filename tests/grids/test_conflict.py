@@ -11,10 +11,11 @@ from support_boundaries import flat_polygon, grid_of_ring, smooth_curve, star_po
 from support_polygons import inside
 
 import gridgen_sym as gg
-from gridgen_sym.grids.conflict import WORK, Conflict, _contradiction, _learn, contracted_places, find_conflict
+from gridgen_sym.grids.conflict import WORK, Conflict, _contradiction, _learn, contracted_places
 from gridgen_sym.grids.lattice import convex_hull, doubled_area
 from gridgen_sym.grids.network import Network, OutOfWork
 from gridgen_sym.grids.places import Place, Rule, box_of, overlap
+from gridgen_sym.grids.search import find_conflict
 
 
 def assert_places_hold(grid):

@@ -81,20 +81,35 @@ def test_a_fold_in_a_large_grid_is_unfolded_by_the_nodes_round_it():
     assert (abs(moved - 20) <= 4).all()
 
 
-def test_both_starts_leave_fixed_nodes_where_they_are():
+def test_all_starts_leave_fixed_nodes_where_they_are():
     grid = band(*BANDS[1])
     window, free = grid.planes.copy(), np.zeros(grid.shape, dtype=bool)
     free[1:-1, 1:-1] = True
     free[3, 3] = False
     window[:, 3, 3] += 1e-3
     window[:, free] = np.random.default_rng(0).normal(size=(2, free.sum()))
-    middles, even = _starts(window, free, Deadline())
-    for start in (middles, even):
+    *middles, even = _starts(window, free, Deadline(), 1000)
+    assert len(middles) > 1
+    for start in (*middles, even):
         assert np.array_equal(start[:, ~free], window[:, ~free])
     assert np.array_equal(even[:, free], grid.planes[:, free])
     low, high = grid.planes.min(axis=(1, 2)), grid.planes.max(axis=(1, 2))
-    assert (middles[:, free].min(axis=1) > low).all()
-    assert (middles[:, free].max(axis=1) < high).all()
+    for start in middles:
+        assert (start[:, free].min(axis=1) > low).all()
+        assert (start[:, free].max(axis=1) < high).all()
+
+
+def test_there_is_a_start_for_every_share_that_is_not_excluded():
+    """Of the square none of five is, of a band the largest three; of a boundary without a valid grid all are."""
+
+    def count(grid):
+        free = np.zeros(grid.shape, dtype=bool)
+        free[1:-1, 1:-1] = True
+        return len(list(_starts(grid.planes, free, Deadline(), 4000)))
+
+    assert count(gg.domain("square", 6, 6)) == 5 + 1
+    assert count(grid_of_ring(flat_polygon(1055, 24, 1e-2), 6, 8)) == 2 + 1
+    assert count(neck()) == 0
 
 
 def test_fixed_inner_nodes_stay():

@@ -61,7 +61,7 @@ def ring(grid):
 
 
 def assert_honest(result, start):
-    """Check that a result hides nothing: valid, or folded and said so with its cells, and with the proofs there are."""
+    """Check that a result is valid and hides nothing, or is folded and says so, with its cells and a certificate."""
     assert np.isfinite(result.grid.planes).all()
     assert np.array_equal(ring(result.grid), ring(start))
     folded = result.quality.folded_cells
@@ -75,7 +75,8 @@ def assert_honest(result, start):
         assert f"cell ({cell[0]}, {cell[1]})" in result.message
     for proof in result.certificates:
         assert proof.message in result.message
-    assert ("No proof was found" in result.message) == (not result.certificates)
+    assert ("No proof was found" in result.message) == all(not proof.impossible for proof in result.certificates)
+    assert result.certificates, result.message
 
 
 @each_untangler
@@ -115,15 +116,15 @@ def roomy_curves(seed, count):
 @given(SIZES, SEEDS)
 def test_a_roomy_boundary_gives_a_valid_grid_or_a_proof(size, seed):
     result = gg.untangle(grid_of_ring(roomy_curves(seed, 2 * sum(size) - 4), *size))
-    assert result.converged or result.certificates, result.message
+    assert result.converged or any(proof.impossible for proof in result.certificates), result.message
 
 
 @pytest.mark.parametrize("seed", range(49))
 def test_a_thin_band_gives_a_valid_grid_or_a_proof(seed):
-    """One of every size. Of some thousand bands a few in a thousand stay open: this holds for these, not for all."""
+    """One of every size. Of a few in a thousand bands only this is proved, that every grid is nearly folded."""
     ni, nj = 3 + seed % 7, 3 + seed // 7
     result = gg.untangle(grid_of_ring(flat_polygon(seed, 2 * (ni + nj) - 4, 1e-2), ni, nj))
-    assert result.converged or result.certificates, result.message
+    assert result.converged or any(proof.impossible for proof in result.certificates), result.message
 
 
 @each_barrier

@@ -1,0 +1,172 @@
+"""Proofs that every grid of a boundary is nearly folded: that they are never wrong, and that they are found."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from support_boundaries import flat_polygon, grid_of_ring, valid_grids
+
+import gridgen_sym as gg
+from gridgen_sym.errors import GridgenError
+from gridgen_sym.grids import corner_jacobians
+from gridgen_sym.grids.conflict import Conflict, contracted_places
+from gridgen_sym.grids.expected_areas import expected_areas
+from gridgen_sym.grids.grid import boundary_indices
+from gridgen_sym.grids.search import SHARES, find_sliver
+
+
+def band(seed, ni, nj):
+    return grid_of_ring(flat_polygon(seed, 2 * (ni + nj) - 4, 1e-2), ni, nj)
+
+
+#: Bands for which neither a valid grid nor a proof is found that there is none, and a share that none exceeds.
+OPEN = {"a": (band(10, 8, 9), 0.1), "b": (band(100431, 7, 8), 0.03), "c": (band(100105, 8, 9), 0.01)}
+each_open = pytest.mark.parametrize(("start", "share"), OPEN.values(), ids=OPEN)
+
+
+def inside_area(grid):
+    x, y = grid.planes[:, *boundary_indices(*grid.shape).T]
+    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2)
+
+
+def shares(grid):
+    """The corner Jacobians (4, ni-1, nj-1) as parts of the expected areas of their cells."""
+    return corner_jacobians(grid.x, grid.y) / (expected_areas(grid) * inside_area(grid))
+
+
+def test_expected_areas_are_those_of_a_rectangle_with_this_spacing():
+    x, y = np.array([0.0, 0.1, 0.3, 1.0]) * 5, np.array([0.0, 0.5, 0.6, 0.7, 1.0]) * 2
+    grid = gg.Grid(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1))
+    assert expected_areas(grid) == pytest.approx(np.outer(np.diff(x), np.diff(y)) / 10)
+    assert shares(grid) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1.0, 1e200])
+def test_the_nearer_side_counts_more_for_what_is_expected(scale):
+    """At the bottom two wide cells and two narrow ones, at the top all alike."""
+    side, bottom = np.linspace(0, 1, 5), np.array([0, 0.4, 0.8, 0.9, 1.0])
+    ends = np.zeros(5), np.ones(5)
+    sides = ((bottom, ends[0]), (side, ends[1]), (ends[0], side), (ends[1], side))
+    areas = expected_areas(gg.transfinite(*(scale * np.column_stack(xy) for xy in sides)))
+    assert areas[:, 0] == pytest.approx((np.array([0.4, 0.4, 0.1, 0.1]) * 7 / 8 + 0.25 / 8) / 4)
+    assert areas[:, 3] == pytest.approx((np.array([0.4, 0.4, 0.1, 0.1]) / 8 + 0.25 * 7 / 8) / 4)
+
+
+@settings(max_examples=30)
+@given(valid_grids())
+def test_no_grid_exceeds_what_is_proved(grid):
+    """A valid grid has the share that it has: no proof may exclude it, or a larger one."""
+    smallest = float(shares(grid).min())
+    assert not isinstance(contracted_places(grid, work=500, share=smallest * (1 - 1e-9)), Conflict)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.floats(0.0, 0.5))
+def test_of_3_x_3_nodes_the_largest_share_is_known(seed, noise):
+    """Every Jacobian is affine in the one inner node, so that a linear program says which share is the largest."""
+    from scipy.optimize import linprog
+
+    xy = gg.domain("square", 3, 3).xy
+    xy += noise * np.random.default_rng(seed).normal(size=xy.shape)
+    assume(gg.certificates(gg.Grid(xy)) == ())
+
+    def jacobians(x, y):
+        xy[1, 1] = x, y
+        return shares(gg.Grid(xy)).ravel()
+
+    at_0 = jacobians(0, 0)
+    slopes = np.stack([jacobians(1, 0) - at_0, jacobians(0, 1) - at_0], axis=-1)
+    held = (np.abs(slopes) < 1e-12).all(axis=1)  # At the logical corners all nodes are fixed.
+    answer = linprog(
+        [0, 0, -1],
+        A_ub=np.c_[-slopes, np.ones(16)][~held],
+        b_ub=at_0[~held],
+        bounds=[(-1e3, 1e3)] * 2 + [(None, None)],
+    )
+    largest = -answer.fun
+    assume(largest > 1e-6)
+    grid = gg.Grid(xy)
+    assert not isinstance(contracted_places(grid, share=largest * (1 - 1e-6)), Conflict)
+    assert isinstance(contracted_places(grid, share=largest * (1 + 1e-6)), Conflict)
+
+
+@each_open
+def test_where_nothing_else_is_known_every_grid_is_nearly_folded(start, share):
+    found = find_sliver(start)
+    assert found is not None
+    assert found.share == share
+    # The proof needs no other cells, and does not need less.
+    again = contracted_places(start, found.cells, share=share)
+    assert isinstance(again, Conflict)
+    assert set(again.cells) <= set(found.cells)
+    assert not isinstance(contracted_places(start, found.cells, share=SHARES[SHARES.index(share) + 1]), Conflict)
+
+
+def test_its_certificate_says_what_is_proved_and_no_more():
+    start, share = OPEN["a"]
+    proof = gg.sliver_certificate(start)
+    assert proof.kind == "sliver"
+    assert not proof.impossible
+    assert proof.numbers == {"cells": len(proof.nodes) / 4, "share": share}
+    assert "no valid grid exists" not in proof.message
+    assert f"can exceed {100 * share:g} % of the area that the spacing of the boundary's nodes gives" in proof.message
+    for i, j in proof.nodes[::4]:
+        assert f"({i}, {j})" in proof.message
+    assert all(other.impossible for other in gg.certificates(band(9, 3, 5), search=True))
+
+
+def test_an_undecided_result_carries_it():
+    start, share = OPEN["a"]
+    result = gg.untangle(start)
+    assert not result.converged
+    (proof,) = result.certificates
+    assert (proof.kind, proof.numbers["share"]) == ("sliver", share)
+    assert "No proof was found that there is no valid grid" in result.message
+    assert proof.message in result.message
+    assert "cells cannot all be valid" not in result.message
+
+
+@each_open
+def test_the_more_work_the_smaller_a_share_is_proved(start, share):
+    assert gg.sliver_certificate(start, work=1) is None
+    assert gg.sliver_certificate(start, work=1000).numbers["share"] >= share
+
+
+def test_there_is_none_where_a_grid_is_valid_or_a_quick_proof_says_more():
+    grid = gg.optimize(gg.domain("swan", 11, 11), "winslow").grid
+    assert gg.sliver_certificate(grid) is None
+    clockwise = gg.Grid(OPEN["a"][0].xy[::-1])
+    assert gg.certificates(clockwise)
+    assert gg.sliver_certificate(clockwise) is None
+
+
+def test_what_the_check_raises_ends_the_search():
+    def check():
+        raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        gg.sliver_certificate(OPEN["a"][0], check=check)
+
+
+@pytest.mark.parametrize("work", [0, 2.5, "long"])
+def test_work_must_be_a_number_of_steps(work):
+    with pytest.raises(GridgenError, match=f"work must be a whole number of steps, at least 1; came {work!r}"):
+        gg.sliver_certificate(OPEN["a"][0], work=work)
+
+
+def test_its_picture_names_it(tmp_path):
+    start, _ = OPEN["a"]
+    proof = gg.sliver_certificate(start)
+    figure = gg.plot_certificates(start, tmp_path / "why.png", found=[proof])
+    whole, panel = figure.axes
+    assert whole.get_title() == "every grid is nearly folded"
+    assert panel.get_title().startswith(f"1: one of {proof.numbers['cells']:.0f} cells is nearly folded")
+    assert len(panel.patches) >= proof.numbers["cells"]
+
+
+@pytest.mark.parametrize(("seed", "ni", "nj"), [(2480, 6, 8), (106180, 7, 9), (511, 8, 9), (110282, 7, 8)])
+def test_from_the_places_of_the_best_grids_a_valid_one_is_found(seed, ni, nj):
+    """From the places of all valid grids alone none was found."""
+    assert gg.untangle(band(seed, ni, nj)).converged
