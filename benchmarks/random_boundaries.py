@@ -1,4 +1,4 @@
-"""What untangling says of random boundaries: a valid grid, a proof that there is none or no good one, or neither.
+"""What untangling says of random boundaries: a valid grid, a proof of none or only ones with slivers, or neither.
 
 The boundaries are those of the property-based tests, `tests/support_boundaries.py`.
 """
@@ -26,7 +26,7 @@ KINDS = {
     "star, radii from 1e-6": (star_polygon, 1e-6),
     "band, 1:100": (flat_polygon, 1e-2),
 }
-_OUTCOMES = ("quick proof", "searched proof", "valid", "longer search", "nearly folded", "undecided")
+_OUTCOMES = ("quick proof", "searched proof", "valid", "longer search", "sliver", "undecided")
 
 
 def outcome(start: gg.Grid, work: int | None) -> str:
@@ -40,7 +40,7 @@ def outcome(start: gg.Grid, work: int | None) -> str:
         return "searched proof"
     if work and gg.certificates(result.grid, search=True, work=work):
         return "longer search"
-    return "nearly folded" if result.certificates else "undecided"
+    return "sliver" if result.certificates else "undecided"
 
 
 def main() -> None:

@@ -41,8 +41,8 @@ of whole numbers; the certificate names cells that cannot all be valid.
 
 The same search tells more where J shall not only be positive but exceed a part of the area that the spacing of the
 boundary's nodes gives the cell. The larger that part, the smaller are the places, until there are none. So it is found
-how good a grid can be at best: from the middle of these last places valid grids are found that no energy leads to, and
-where none is, a certificate of kind `sliver` proves that every valid grid is nearly folded.
+about how good a grid can be: from the middle of these last places valid grids are found that no energy led to, and
+where none is, a certificate of kind `sliver` proves that every valid grid has a cell that is nearly folded, or small.
 """
 
 LIST_TEXT = (

@@ -14,14 +14,15 @@ Kind = Literal["coincident", "crossing", "clockwise", "corner", "spike", "neck",
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """One proof that no grid without a folded cell has these boundary nodes; a 'sliver', that none is good.
+    """One proof that no grid without a folded cell has these boundary nodes; a 'sliver' proves less.
 
     Attributes:
         kind: 'coincident': two neighbors are one point; 'crossing': the boundary crosses itself, so that cells must be
             turned over; 'clockwise': the boundary runs clockwise, which can be repaired; 'corner': the three fixed
             nodes at a logical corner turn the wrong way; 'spike': the boundary runs back on itself at a node; 'neck':
             there is no place for an inner node; 'conflict': some cells cannot all be valid while the others are, which
-            a search has shown; 'sliver': in every valid grid, if there is one, some of these cells is nearly folded.
+            a search has shown; 'sliver': in every valid grid, if there is one, some of these cells is nearly folded, or
+            much smaller than the spacing of the boundary's nodes lets expect.
         nodes: indices (i, j) of the nodes that prove it. Two for 'coincident'; the ends of two edges for 'crossing';
             before, at and after the place for 'corner' and 'spike'; the inner node and pairs of boundary nodes, to
             the left of each of which it would have to lie, for 'neck'; none for 'clockwise'; the four of each cell,

@@ -9,7 +9,7 @@ two nodes of a cell does not lead through what lies outside.
 
 From there the places are contracted. If nothing is left for a node, there is no valid grid: this is a proof, for all
 signs are those of whole numbers. The same rules, with a part of each cell's expected area instead of zero, prove that
-no grid is better than nearly folded.
+every grid has a sliver.
 """
 
 from __future__ import annotations

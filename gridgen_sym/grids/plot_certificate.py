@@ -1,4 +1,4 @@
-"""Pictures of certificates: where on the boundary, and why, no valid grid exists."""
+"""Pictures of certificates: where on the boundary, and why, no valid grid exists, or none without a sliver."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _NAMES = {
     "spike": "the boundary runs back",
     "neck": "no place for an inner node",
     "conflict": "{cells:.0f} cells cannot all be valid",
-    "sliver": "one of {cells:.0f} cells is nearly folded",
+    "sliver": "one of {cells:.0f} cells is a sliver",
 }
 
 
@@ -57,7 +57,7 @@ def plot_certificates(
     figure = new_figure(4.2 * (1 + len(shown)), 4.6)
     whole = figure.add_subplot(1, 1 + len(shown), 1)
     more = f", {len(shown)} of {len(found)} shown" if len(found) > len(shown) else ""
-    told = "no valid grid exists" if any(proof.impossible for proof in found) else "every grid is nearly folded"
+    told = "no valid grid exists" if any(proof.impossible for proof in found) else "every grid has a sliver"
     draw_grid(whole, grid, f"{told}{more}")
     for number, certificate in enumerate(shown, start=1):
         _label(whole, certificate.point, str(number))

@@ -11,6 +11,7 @@ from .boundary_proofs import boundary_proofs
 from .certificate import Certificate, point_of, point_text
 from .conflict import LITTLE_WORK, Conflict
 from .grid import Grid, check_grid
+from .neck import Node
 from .network import nodes_of
 from .search import find_conflict, find_sliver
 
@@ -48,14 +49,15 @@ def certificates(
 def sliver_certificate(
     grid: Grid, *, work: int = LITTLE_WORK, check: Callable[[], object] | None = None
 ) -> Certificate | None:
-    """Return a proof that every valid grid with the boundary nodes of a grid, if there is one, is nearly folded.
+    """Return a proof that every valid grid with some boundary nodes, if there is one, has a sliver.
 
     Some corner Jacobian is at most a small part, the smallest for which that was proved of a few from 0.1 to 1e-6, of
-    the area that the spacing of the boundary's nodes gives its cell. This is proved for most boundaries for which
-    neither a valid grid nor a proof is found that there is none.
+    the area that the spacing of the boundary's nodes gives its cell. So that corner is nearly folded, or its cell is
+    small: a narrow neck makes cells small in good grids, too. It is meant for boundaries for which neither a valid grid
+    is found nor a proof that there is none, and was found for all but few of these.
 
     Args:
-        grid: as for `certificates`.
+        grid: as for `certificates`; the search is made near its folded cells.
         work: as for `certificates`, for each of these parts.
         check: as for `certificates`.
 
@@ -84,17 +86,25 @@ def _searched(grid: Grid, conflict: Conflict) -> Certificate:
     nodes = tuple(node for cell in conflict.cells for node in nodes_of(cell))
     fixed = {(i, j) for i, j in nodes if i in (0, ni - 1) or j in (0, nj - 1)}
     point = point_of(np.mean([grid.planes[:, i, j] for i, j in sorted(fixed or set(nodes))], axis=0))
-    named = ", ".join(map(str, conflict.cells[:_MOST_NAMED]))
-    more = f" and {len(conflict.cells) - _MOST_NAMED} more" if len(conflict.cells) > _MOST_NAMED else ""
-    place = f"near {point_text(point)} there is no room for the inner nodes: wherever they are, "
-    cells = f"the {len(conflict.cells)} cells {named}{more}"
+    cells, place = _cells_text(conflict.cells), point_text(point)
     help_text = "Take more cells there, or place the boundary's nodes otherwise"
     numbers: dict[str, float] = {"cells": len(conflict.cells)}
     if not conflict.share:
-        message = f"no valid grid exists: {place}not all of {cells} can be valid while every other cell is. {help_text}"
+        message = (
+            f"no valid grid exists: near {place} there is no room for the inner nodes: wherever they are, "
+            f"not all of {cells} can be valid while every other cell is. {help_text}"
+        )
         return Certificate("conflict", nodes, point, numbers, message)
     message = (
-        f"every valid grid, if there is one, is nearly folded: {place}not all corner Jacobians of {cells} can exceed "
-        f"{100 * conflict.share:g} % of the area that the spacing of the boundary's nodes gives the cell. {help_text}"
+        f"every valid grid, if there is one, has a nearly folded or small cell: near {place} there is little room for "
+        f"the inner nodes: wherever they are, not all corner Jacobians of {cells} can exceed {100 * conflict.share:g} "
+        f"% of the area that the spacing of the boundary's nodes gives the cell. {help_text}"
     )
     return Certificate("sliver", nodes, point, numbers | {"share": conflict.share}, message)
+
+
+def _cells_text(cells: tuple[Node, ...]) -> str:
+    """Return the first of some cells, and how many there are, as text for a message."""
+    named = ", ".join(map(str, cells[:_MOST_NAMED]))
+    more = f" and {len(cells) - _MOST_NAMED} more" if len(cells) > _MOST_NAMED else ""
+    return f"the {len(cells)} cells {named}{more}" if len(cells) > 1 else f"the cell {named}"

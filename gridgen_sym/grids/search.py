@@ -1,4 +1,4 @@
-"""Where the search for a proof is made: near the folded cells of a grid, with as few cells as prove it."""
+"""Where the search for a proof is made: near the folded cells of a grid, with as few cells as it takes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def find_conflict(grid: Grid, work: int = LITTLE_WORK, check: Callable[[], objec
 
 
 def find_sliver(grid: Grid, work: int = LITTLE_WORK, check: Callable[[], object] | None = None) -> Conflict | None:
-    """Search near the folded cells of a grid for a proof that every grid has a nearly folded cell.
+    """Search near the folded cells of a grid for a proof that every grid has a sliver: a small corner Jacobian.
 
     Args:
         grid: as in `find_conflict`.

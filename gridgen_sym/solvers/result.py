@@ -43,7 +43,7 @@ class Result:
         stopped_by: what ended it early: `Ctrl-C`, `time limit` or `callback`; None if nothing did.
         certificates: the proofs that no valid grid has this boundary; none for a valid grid. Where untangling ended
             with folds, these are those of a search, too: `certificates(grid, search=True)`. If there are none of
-            these, it may be the one of `sliver_certificate`, that every valid grid is nearly folded.
+            these, it may be the one of `sliver_certificate`, that every valid grid has a sliver.
     """
 
     grid: Grid

@@ -35,8 +35,8 @@ class Run:
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
         said: what to say before the solver's own message.
-        proofs: that no valid grid has this boundary, or no good one, where untangling could not find one; None as long
-            as nothing was searched.
+        proofs: that no valid grid has this boundary, or none without a sliver, where untangling could not find one;
+            None as long as nothing was searched.
         explained: whether the solver's message says what is folded, and why.
     """
 
@@ -107,7 +107,7 @@ class Run:
         """Lift what is folded from the middles of places, unless a proof says that this is in vain; return if valid.
 
         All searches are short at first, and long where these do not help. Where not even that is proved, that every
-        grid is nearly folded, there mostly is a valid one.
+        grid has a sliver, there mostly is a valid one.
         """
         self.proofs = self._search(LITTLE_WORK) or None
         if self.proofs:
@@ -127,7 +127,7 @@ class Run:
         return certificates(grid, search=True, work=work, check=self.report.deadline.check)
 
     def _search_sliver(self, work: int) -> tuple[Certificate, ...]:
-        """Search for the proof that every grid of this boundary is nearly folded."""
+        """Search for the proof that every grid of this boundary has a sliver."""
         sliver = sliver_certificate(Grid.from_planes(*self.coordinates), work=work, check=self.report.deadline.check)
         return (sliver,) if sliver else ()
 
@@ -184,5 +184,5 @@ UNTANGLED = "The grid was folded at the start and was untangled first: "
 
 
 def _proofs_text(proofs: tuple[Certificate, ...]) -> str:
-    """Return the proofs that no valid grid has a boundary, as a sentence; nothing where there are none."""
+    """Return the proofs for a boundary as a sentence; nothing where there are none."""
     return f"With this boundary {'; '.join(map(str, proofs))}." if proofs else ""

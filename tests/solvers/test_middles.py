@@ -121,6 +121,17 @@ def test_fixed_inner_nodes_stay():
     assert np.array_equal(place[:, fixed].T, xy[fixed])
 
 
+def test_a_window_with_a_side_without_length_stays_as_it_is():
+    """Below the free nodes fixed ones are one point: all cells there are folded, whatever is done."""
+    xy, fixed = gg.domain("square", 12, 12).xy, np.ones((12, 12), dtype=bool)
+    fixed[6:9, 4:8] = False
+    xy[5, 2:10] = xy[5, 5]
+    start = gg.Grid(xy)
+    place, valid = unfold(start, fixed)
+    assert not valid
+    assert gg.quality(gg.Grid.from_planes(*place)).folded_cells <= gg.quality(start).folded_cells
+
+
 def test_nothing_gets_worse_where_no_grid_is_valid():
     least = gg.untangle(neck()).grid
     place, valid = unfold(least)

@@ -121,7 +121,7 @@ def test_a_roomy_boundary_gives_a_valid_grid_or_a_proof(size, seed):
 
 @pytest.mark.parametrize("seed", range(49))
 def test_a_thin_band_gives_a_valid_grid_or_a_proof(seed):
-    """One of every size. Of a few in a thousand bands only this is proved, that every grid is nearly folded."""
+    """One of every size. Of a few in a thousand bands only this is proved, that every grid has a sliver."""
     ni, nj = 3 + seed % 7, 3 + seed // 7
     result = gg.untangle(grid_of_ring(flat_polygon(seed, 2 * (ni + nj) - 4, 1e-2), ni, nj))
     assert result.converged or any(proof.impossible for proof in result.certificates), result.message

@@ -1,0 +1,88 @@
+"""The stages in which folds that stay are lifted or explained: in which order, and what is said if one is stopped."""
+
+from __future__ import annotations
+
+import pytest
+from support_boundaries import grid_of_ring, smooth_curve
+
+import gridgen_sym as gg
+from gridgen_sym.grids.conflict import LITTLE_WORK, WORK
+from gridgen_sym.solvers import run
+from gridgen_sym.solvers.deadline import StopRequest
+
+SLIVER, CONFLICT = (gg.Certificate(kind, (), (0.0, 0.0), {}, f"a {kind}") for kind in ("sliver", "conflict"))
+
+
+@pytest.fixture
+def stages(monkeypatch):
+    """Have a stage do what is given for it, or find nothing; a list of the stages that were reached."""
+    seen = []
+
+    def prepare(does):
+        def reach(stage, work, nothing):
+            seen.append(f"{'short' if work == LITTLE_WORK else 'long'} {stage}")
+            outcome = does.get(seen[-1], nothing)
+            if isinstance(outcome, BaseException):
+                raise outcome
+            return outcome
+
+        def certificates(grid, *, search=False, work=WORK, check=None):
+            return reach("search", work, ()) if search else ()
+
+        def lift(problem, coordinates, report, work=LITTLE_WORK):
+            return reach("lift", work, False)
+
+        monkeypatch.setattr(run, "certificates", certificates)
+        monkeypatch.setattr(run, "sliver_certificate", lambda grid, *, work, check: reach("sliver", work, None))
+        monkeypatch.setattr(run, "unfold_from_middles", lift)
+        return seen
+
+    return prepare
+
+
+def folded_start():
+    """A boundary of which no grid is valid: all stages are reached."""
+    return grid_of_ring(smooth_curve(3211, 12, 0.6), 5, 3)
+
+
+SHORT, LONG = ["short search", "short lift", "short sliver"], ["long lift", "long search", "long sliver"]
+
+
+@pytest.mark.parametrize(
+    ("does", "reached", "found"),
+    [
+        ({}, SHORT + LONG, ()),
+        ({"short search": (CONFLICT,)}, SHORT[:1], (CONFLICT,)),
+        ({"short sliver": SLIVER}, [*SHORT, "long search"], (SLIVER,)),
+        ({"short sliver": SLIVER, "long search": (CONFLICT,)}, [*SHORT, "long search"], (CONFLICT,)),
+        ({"long search": (CONFLICT,)}, SHORT + LONG[:2], (CONFLICT,)),
+        ({"long sliver": SLIVER}, SHORT + LONG, (SLIVER,)),
+    ],
+)
+def test_no_stage_is_reached_in_vain_and_the_best_proof_is_told(stages, does, reached, found):
+    seen = stages(does)
+    result = gg.untangle(folded_start())
+    assert seen == reached
+    assert result.certificates == found
+    assert result.stopped_by is None
+    assert ("No proof was found" in result.message) == (CONFLICT not in found)
+    assert result.message.count("folded (J <= 0") == 1
+    for proof in (SLIVER, CONFLICT):
+        assert result.message.count(str(proof)) == (proof in found)
+
+
+@pytest.mark.parametrize("stage", SHORT + LONG)
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), StopRequest("time limit", "it is over")], ids=str)
+def test_whatever_is_stopped_tells_once_what_is_folded_and_what_is_proved(stages, stage, error):
+    first = {"short sliver": SLIVER} if stage == "long search" else {}
+    seen = stages({**first, stage: error})
+    start = folded_start()
+    result = gg.untangle(start)
+    assert seen[-1] == stage
+    assert result.interrupted
+    assert not result.converged
+    folded = result.quality.folded_cells
+    assert 0 < folded <= gg.quality(start).folded_cells
+    assert result.message.count("folded") == result.message.count(f" {folded} cells are folded.") == 1
+    assert result.certificates == tuple(first.values())
+    assert result.message.count("a sliver") == len(first)
