@@ -57,7 +57,7 @@ def plot_certificates(
     figure = new_figure(4.2 * (1 + len(shown)), 4.6)
     whole = figure.add_subplot(1, 1 + len(shown), 1)
     more = f", {len(shown)} of {len(found)} shown" if len(found) > len(shown) else ""
-    told = "no valid grid exists" if any(proof.impossible for proof in found) else "every grid has a sliver"
+    told = "no valid grid exists" if any(proof.impossible for proof in found) else "every valid grid has a sliver"
     draw_grid(whole, grid, f"{told}{more}")
     for number, certificate in enumerate(shown, start=1):
         _label(whole, certificate.point, str(number))

@@ -203,7 +203,7 @@ def test_its_picture_names_it(tmp_path):
     proof = gg.sliver_certificate(start)
     figure = gg.plot_certificates(start, tmp_path / "why.png", found=[proof])
     whole, panel = figure.axes
-    assert whole.get_title() == "every grid has a sliver"
+    assert whole.get_title() == "every valid grid has a sliver"
     assert panel.get_title().startswith(f"1: one of {proof.numbers['cells']:.0f} cells is a sliver")
     assert len(panel.patches) >= proof.numbers["cells"]
 
