@@ -109,7 +109,7 @@ class Run:
         All searches are short at first, and long where these do not help. Where not even that is proved, that every
         grid has a sliver, there mostly is a valid one.
         """
-        self.proofs = self._search(LITTLE_WORK) or None
+        self.proofs = self._search(LITTLE_WORK)
         if self.proofs:
             return False
         if unfold_from_middles(self.problem, self.coordinates, self.report):

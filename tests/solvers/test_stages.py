@@ -15,7 +15,10 @@ SLIVER, CONFLICT = (gg.Certificate(kind, (), (0.0, 0.0), {}, f"a {kind}") for ki
 
 @pytest.fixture
 def stages(monkeypatch):
-    """Have a stage do what is given for it, or find nothing; a list of the stages that were reached."""
+    """Have a stage do what is given for it, or find nothing; a list of the stages that were reached.
+
+    Searches ask for the time, which is never over.
+    """
     seen = []
 
     def prepare(does):
@@ -27,13 +30,15 @@ def stages(monkeypatch):
             return outcome
 
         def certificates(grid, *, search=False, work=WORK, check=None):
-            return reach("search", work, ()) if search else ()
+            return reach("search", work, ()) if search and check() else ()
 
         def lift(problem, coordinates, report, work=LITTLE_WORK):
             return reach("lift", work, False)
 
         monkeypatch.setattr(run, "certificates", certificates)
-        monkeypatch.setattr(run, "sliver_certificate", lambda grid, *, work, check: reach("sliver", work, None))
+        monkeypatch.setattr(
+            run, "sliver_certificate", lambda grid, *, work, check: check() and reach("sliver", work, None)
+        )
         monkeypatch.setattr(run, "unfold_from_middles", lift)
         return seen
 
