@@ -34,6 +34,24 @@ def test_no_possible_place_is_cut_off(seed, size):
     assert_kept(possible_part(region, a, c), region, possible)
 
 
+@given(SEEDS, st.floats(0.01, 0.99))
+def test_just_what_exceeds_the_least_area_is_left(seed, part):
+    """The least is chosen so that some corners of the region stay, and others do not."""
+    random, size = np.random.default_rng(seed), 2**40
+    region, a, c = (random_polygon(random, size=size) for _ in range(3))
+
+    def largest(q):
+        return max(turn(q, p, r) for p in a for r in c)
+
+    heights = sorted(map(largest, region))
+    least = heights[0] + int(part * (heights[-1] - heights[0]))
+    kept = possible_part(region, a, c, least)
+    assert all(inside(kept, q) for q in points_in(random, region, 40) if largest(q) > least)
+    assert min(map(largest, kept)) > least - 2**6 * size
+    assert possible_part(region, a, c, heights[0] - 1) is None
+    assert possible_part(region, a, c, heights[-1]) == ()
+
+
 def test_where_a_corner_has_no_area_is_no_possible_place():
     """To the right of a line, and on it."""
     below, a, c = ((0, 0), (8 << 20, 0), (4 << 20, -9 << 20)), ((-1, 0),), ((-9 << 20, 0),)

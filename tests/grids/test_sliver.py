@@ -10,7 +10,7 @@ from support_boundaries import flat_polygon, grid_of_ring, valid_grids
 
 import gridgen_sym as gg
 from gridgen_sym.errors import GridgenError
-from gridgen_sym.grids import corner_jacobians
+from gridgen_sym.grids import corner_jacobians, search
 from gridgen_sym.grids.conflict import LITTLE_WORK, Conflict, contracted_places
 from gridgen_sym.grids.expected_areas import expected_areas
 from gridgen_sym.grids.grid import boundary_indices
@@ -136,6 +136,7 @@ def test_where_nothing_else_is_known_every_grid_has_a_sliver(start, share):
     found = find_sliver(start)
     assert found is not None
     assert found.share == share
+    assert len(found.cells) <= 6, "of 9 and more cells with which the proof was found, most can be left out"
     # The proof needs no other cells, and does not reach a smaller share.
     again = contracted_places(start, found.cells, share=share)
     assert isinstance(again, Conflict)
@@ -184,12 +185,18 @@ def test_there_is_none_where_a_grid_is_valid_or_a_quick_proof_says_more():
     assert gg.sliver_certificate(clockwise) is None
 
 
-def test_what_the_check_raises_ends_the_search():
+def test_what_the_check_raises_ends_the_search(monkeypatch):
+    """That for a proof, and then that for fewer cells."""
+
     def check():
         raise TimeoutError
 
+    start, found = OPEN["a"][0], find_sliver(OPEN["a"][0])
     with pytest.raises(TimeoutError):
-        gg.sliver_certificate(OPEN["a"][0], check=check)
+        gg.sliver_certificate(start, work=1, check=check)
+    monkeypatch.setattr(search, "_first_conflict", lambda *_: found)
+    with pytest.raises(TimeoutError):
+        gg.sliver_certificate(start, check=check)
 
 
 @pytest.mark.parametrize("work", [0, 2.5, "long"])
