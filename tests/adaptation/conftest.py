@@ -1,10 +1,25 @@
-"""What the tests of adaptation share: sharp functions, and the true error of bilinear interpolation on a grid."""
+"""What the tests of adaptation share: grids of the square, sharp functions, and the true error of interpolation."""
 
 from __future__ import annotations
 
 import numpy as np
 
+import gridgen_sym as gg
 from gridgen_sym import interpolation_error as interpolation_error
+
+#: Monitors of features, by name.
+MEASURES = ("gradient", "arc_length", "curvature", "recovery_error", "hierarchical_error")
+
+
+def square(nodes=33):
+    return gg.domain("square", nodes, nodes)
+
+
+def folded_square(nodes):
+    """Return the unit square's grid with two neighbors that have changed places."""
+    xy = square(nodes).xy
+    xy[5, 5], xy[6, 5] = xy[6, 5].copy(), xy[5, 5].copy()
+    return gg.Grid(xy)
 
 
 def front(x, y):

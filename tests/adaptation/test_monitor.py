@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 
 import gridgen_sym as gg
 
-from .conftest import ring, two_scales
+from .conftest import MEASURES, ring, square, two_scales
 
-MEASURES = ("gradient", "arc_length", "curvature", "recovery_error", "hierarchical_error")
-SQUARE = gg.domain("square", 33, 33)
+SQUARE = square()
 
 
 def integral(grid, field):

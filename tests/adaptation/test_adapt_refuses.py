@@ -1,0 +1,70 @@
+"""What an adaptation untangles first, and what it refuses: starts, arguments and solutions that mean nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from solvers.conftest import hopeless_grid
+
+import gridgen_sym as gg
+
+from .conftest import folded_square, ring, square
+
+
+def test_a_folded_start_is_untangled_and_a_hopeless_one_refused():
+    result = gg.adapt(folded_square(17), ring, steps=2)
+    assert "The start was folded and was untangled first" in result.message
+    assert result.quality.valid
+    with pytest.raises(gg.GridgenError, match="needs a valid start"):
+        gg.adapt(hopeless_grid(), ring)
+
+
+def test_a_folded_start_that_cannot_be_untangled_in_time_is_refused():
+    with pytest.raises(gg.GridgenError, match=r"needs a valid start.* time limit of 1e-09 seconds is over"):
+        gg.adapt(folded_square(9), ring, time_limit=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"steps": -1}, "steps must be a whole number, at least 0; came -1"),
+        ({"moves": 0}, "moves must be a whole number, at least 1; came 0"),
+        ({"damping": 0}, "damping must be a number above 0 and at most 1; came 0"),
+        ({"tolerance": 2}, "tolerance must be a number above 0"),
+        ({"time_limit": 0}, "time_limit must be a positive number of seconds; came 0"),
+        ({"callback": 3}, "callback must be a function of one AdaptStep; came 3"),
+        ({"boundary": "open"}, "unknown boundary 'open': it is one of fixed, straight, all"),
+        ({"functional": "areas"}, "Did you mean 'area'"),
+        ({"functional": "winslow"}, "how 'winslow' places nodes with a weight is not known"),
+        ({"monitor": "slope"}, "unknown monitor 'slope'; known: gradient"),
+        ({"monitor": lambda grid, values: -np.ones(grid.shape)}, r"must not be negative: it is -1 at node \(0, 0\)"),
+        ({"monitor": lambda grid, values: np.ones(3)}, r"measure must have the grid's shape \(9, 9\); came \(3,\)"),
+    ],
+)
+def test_arguments_that_cannot_be_used_are_refused(options, match):
+    with pytest.raises(gg.GridgenError, match=match):
+        gg.adapt(square(9), ring, **options)
+
+
+@pytest.mark.parametrize(
+    ("solution", "match"),
+    [
+        (np.ones((3, 3)), r"the solution must have the grid's shape \(9, 9\); came \(3, 3\)"),
+        (lambda grid: grid.x[1:], r"the solution on the grid of step 0 must have the grid's shape"),
+        (lambda grid: grid.x / 0 * np.nan, "on the grid of step 0 must be finite"),
+        (lambda grid: {}["u"], "cannot be had on the grid of step 0: KeyError"),
+        (lambda x, y, z: x, "came one of 3 arguments"),
+        ("x + z", "unknown name 'z'"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*divide by zero.*", "ignore:.*invalid value.*")
+def test_solutions_that_cannot_be_used_are_refused(solution, match):
+    with pytest.raises(gg.GridgenError, match=match):
+        gg.adapt(square(9), solution)
+
+
+def test_a_start_that_is_no_grid_is_refused():
+    with pytest.raises(gg.GridgenError, match="underflow to zero: scale it"):
+        gg.adapt(gg.Grid(square(9).xy * 1e-160), ring)
+    with pytest.raises(gg.GridgenError, match="expected a Grid, came ndarray"):
+        gg.adapt(square(9).xy, ring)

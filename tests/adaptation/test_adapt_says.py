@@ -1,0 +1,50 @@
+"""What an adaptation says: of every step, of how it ended, and of what the user must know."""
+
+from __future__ import annotations
+
+import numpy as np
+from solvers.conftest import farthest
+
+import gridgen_sym as gg
+
+from .conftest import ring, square, two_scales
+
+
+def test_the_history_tells_of_every_step():
+    seen = []
+    result = gg.adapt(square(), two_scales, callback=seen.append)
+    assert tuple(seen) == result.history
+    assert [step.step for step in seen] == list(range(len(seen)))
+    assert seen[0].movement == 0
+    assert seen[-1].movement <= 1e-3 < seen[-2].movement
+    assert result.converged
+    assert result.iterations < 30
+    assert "has settled" in result.message
+    assert str(result).startswith(f"converged after {result.iterations} steps")
+    assert np.array_equal(result.values, two_scales(*result.grid.planes))
+
+
+def test_progress_is_shown_where_it_takes_long(monkeypatch, live_line):
+    gg.adapt(square(9), ring, steps=1, progress=True)
+    assert not live_line, "it did not take long"
+    monkeypatch.setattr("gridgen_sym.solvers.live.PATIENCE", -1.0)
+    gg.adapt(square(9), ring, steps=1, progress=False)
+    assert not live_line
+    gg.adapt(square(9), ring, steps=1, progress=True)
+    assert (live_line[0], live_line[-1], len(live_line)) == ("start", "stop", 4)
+    assert live_line[2].startswith("adapt, area_winslow: step 1, movement")
+
+
+def test_too_few_steps_are_told():
+    result = gg.adapt(square(17), ring, steps=2)
+    assert not result.converged
+    assert "not settled in 2 steps" in result.message
+    assert str(result).startswith("NOT converged after 2 steps")
+
+
+def test_nothing_to_adapt_to_leaves_a_uniform_grid():
+    result = gg.adapt(square(17), "0*x + 3")
+    assert result.converged
+    assert farthest(result.grid, square(17)) < 1e-8
+    assert "The solution is 3 at every node: there is nothing to adapt to." in result.message
+    assert "nothing to adapt" not in gg.adapt(square(17), "x", steps=1).message

@@ -1,0 +1,86 @@
+"""The boundary in adaptation: which sides slide, how far their nodes go, and that the domain keeps its shape."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import gridgen_sym as gg
+from gridgen_sym.adaptation.sides import _straight, slide, sliding_sides
+
+from .conftest import interpolation_error, shock, square
+
+
+def test_nodes_on_straight_sides_are_equidistributed_too():
+    result = gg.adapt(square(), shock)
+    for side in (np.s_[:, 0], np.s_[0, :]):
+        spacing, density = np.hypot(*np.diff(result.grid.xy[side], axis=0).T), result.density[side]
+        product = spacing * (density[1:] + density[:-1]) / 2
+        assert product.std() / product.mean() < 0.05
+        assert spacing.std() / spacing.mean() > 0.3
+    stays = gg.adapt(square(), shock, boundary="fixed").grid
+    assert interpolation_error(result.grid, shock) < 0.6 * interpolation_error(stays, shock)
+
+
+def test_which_sides_are_straight():
+    x = np.array([0.0, 0.1, 0.5, 1.0])
+    assert _straight(np.stack((x, 2 * x)))
+    assert _straight(np.stack((x, 2 * x + 1e-12 * (x == 0.5))))
+    assert not _straight(np.stack((x, 2 * x + 1e-6 * (x == 0.5))))
+    assert not _straight(np.stack((x, 2 * x + 1e-6 * (x == 1.0))))
+    assert not _straight(np.stack((x * (1 - x), x * (1 - x)))), "it ends where it began"
+    assert _straight(1e-9 * np.stack((x, 2 * x))), "in any unit"
+    assert not _straight(1e-9 * np.stack((x, 2 * x + 1e-6 * (x == 0.5))))
+
+
+def test_corners_of_a_mask_hold_no_side():
+    mask = np.zeros((5, 5), dtype=bool)
+    mask[0, 0] = mask[2, 2] = True
+    assert len(sliding_sides(square(5), "straight", mask)) == 4
+    mask[0, 3] = True
+    assert len(sliding_sides(square(5), "straight", mask)) == 3
+
+
+def test_fixed_inner_nodes_stay_and_hold_their_side():
+    fixed = np.zeros((21, 21), dtype=bool)
+    fixed[5, 5], fixed[0, 10] = True, True
+    result = gg.adapt(square(21), shock, fixed=fixed, steps=4)
+    assert np.array_equal(result.grid.xy[5, 5], square(21).xy[5, 5])
+    assert np.array_equal(result.grid.xy[0], square(21).xy[0])
+    assert not np.array_equal(result.grid.xy[:, 0], square(21).xy[:, 0])
+
+
+def test_boundary_nodes_never_go_beyond_what_is_wanted(monkeypatch):
+    """The weight may: Aitken's rule takes up to twice the share."""
+    shares = []
+
+    def recorded(sides, grid, density, fixed, damping):
+        shares.append(damping)
+        return slide(sides, grid, density, fixed, damping)
+
+    monkeypatch.setattr("gridgen_sym.adaptation.mover.slide", recorded)
+    result = gg.adapt(square(17), "tanh(10*(x + y - 1))", steps=8, damping=0.5)
+    assert max(step.damping for step in result.history) > 1
+    assert max(shares) == 1
+
+
+def test_curved_domains_keep_their_shape():
+    start = gg.optimize(gg.domain("horseshoe_map", 33, 17), "winslow").grid
+    center = start.planes[:, 16, 8]
+
+    def spot(x, y):
+        return np.tanh(6 * (np.hypot(x - center[0], y - center[1]) - 0.4))
+
+    result = gg.adapt(start, spot)
+    assert result.quality.valid
+    assert interpolation_error(result.grid, spot) < 0.7 * interpolation_error(start, spot)
+    for side in (np.s_[:, 0], np.s_[:, -1]):
+        assert np.array_equal(result.grid.xy[side], start.xy[side])
+    free = gg.adapt(start, spot, boundary="all", steps=5)
+    assert free.quality.valid
+    assert not np.array_equal(free.grid.xy[:, -1], start.xy[:, -1])
+    # Every boundary node stays on the polygon of its side.
+    polygon = start.xy[:, -1]
+    for point in free.grid.xy[:, -1]:
+        along, off = polygon[1:] - polygon[:-1], point - polygon[:-1]
+        part = np.clip((along * off).sum(axis=1) / (along**2).sum(axis=1), 0, 1)
+        assert np.hypot(*(off - part[:, np.newaxis] * along).T).min() < 1e-9
