@@ -21,6 +21,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'degenerate'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 4, "corner_slopes": 5, "corner_hessian": 29, "corner_semidefinite": 17, "corner_hessian_vector": 24, "corner_semidefinite_vector": 12, "residual": 35, "residual_slopes": 79, "residual_coefficients": 35}

@@ -21,6 +21,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'degenerate'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ('s', 's_x', 's_y', 's_xx', 's_xy', 's_yy')
 OPERATIONS = {"corner_energy": 5, "corner_slopes": 9, "corner_hessian": 50, "corner_semidefinite": 18, "corner_hessian_vector": 45, "corner_semidefinite_vector": 13, "residual": 72, "residual_slopes": 216, "residual_coefficients": 73}

@@ -21,6 +21,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'degenerate'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ('s',)
 OPERATIONS = {"corner_energy": 5, "corner_slopes": 7, "corner_hessian": 32, "corner_semidefinite": 18, "corner_hessian_vector": 25, "corner_semidefinite_vector": 13, "residual": 57, "residual_slopes": 136, "residual_coefficients": 58}

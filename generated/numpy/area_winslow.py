@@ -20,6 +20,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 16, "corner_slopes": 20, "corner_hessian": 84, "corner_semidefinite": 68, "corner_hessian_vector": 78, "residual": 104, "residual_slopes": 374, "residual_coefficients": 104}

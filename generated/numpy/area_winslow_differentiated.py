@@ -20,6 +20,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ('s', 's_x', 's_y', 's_xx', 's_xy', 's_yy')
 OPERATIONS = {"corner_energy": 17, "corner_slopes": 24, "corner_hessian": 103, "corner_semidefinite": 69, "corner_hessian_vector": 99, "residual": 126, "residual_slopes": 473, "residual_coefficients": 126}

@@ -20,6 +20,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ('s',)
 OPERATIONS = {"corner_energy": 17, "corner_slopes": 22, "corner_hessian": 86, "corner_semidefinite": 69, "corner_hessian_vector": 79, "residual": 114, "residual_slopes": 396, "residual_coefficients": 114}

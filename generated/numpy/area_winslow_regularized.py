@@ -17,6 +17,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 29, "corner_slopes": 36, "corner_hessian": 144, "corner_semidefinite": 121, "corner_hessian_vector": 112}

@@ -20,6 +20,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'changing type'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 20, "corner_slopes": 24, "corner_hessian": 90, "corner_semidefinite": 60, "corner_hessian_vector": 63, "residual": 75, "residual_slopes": 163, "residual_coefficients": 75}

@@ -20,6 +20,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'changing type'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ('s', 's_x', 's_y', 's_xx', 's_xy', 's_yy')
 OPERATIONS = {"corner_energy": 21, "corner_slopes": 28, "corner_hessian": 110, "corner_semidefinite": 61, "corner_hessian_vector": 85, "residual": 102, "residual_slopes": 297, "residual_coefficients": 102}

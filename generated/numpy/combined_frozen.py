@@ -20,6 +20,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'changing type'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ('s',)
 OPERATIONS = {"corner_energy": 21, "corner_slopes": 25, "corner_hessian": 91, "corner_semidefinite": 61, "corner_hessian_vector": 64, "residual": 89, "residual_slopes": 210, "residual_coefficients": 89}

@@ -20,6 +20,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'changing type'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 11, "corner_slopes": 12, "corner_hessian": 22, "corner_semidefinite": 12, "corner_hessian_vector": 28, "residual": 29, "residual_slopes": 61, "residual_coefficients": 29}

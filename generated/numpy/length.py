@@ -21,6 +21,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 10, "corner_slopes": 10, "corner_hessian": 14, "corner_semidefinite": 0, "corner_hessian_vector": 4, "corner_semidefinite_vector": 4, "residual": 2, "residual_slopes": 2, "residual_coefficients": 2}

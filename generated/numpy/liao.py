@@ -21,6 +21,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 18, "corner_slopes": 21, "corner_hessian": 64, "corner_semidefinite": 44, "corner_hessian_vector": 60, "corner_semidefinite_vector": 60, "residual": 67, "residual_slopes": 154, "residual_coefficients": 67}

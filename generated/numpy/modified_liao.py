@@ -21,6 +21,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 14, "corner_slopes": 22, "corner_hessian": 117, "corner_semidefinite": 98, "corner_hessian_vector": 83, "corner_semidefinite_vector": 74, "residual": 139, "residual_slopes": 481, "residual_coefficients": 139}

@@ -18,6 +18,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 27, "corner_slopes": 34, "corner_hessian": 174, "corner_semidefinite": 120, "corner_hessian_vector": 123, "corner_semidefinite_vector": 91}

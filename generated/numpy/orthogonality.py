@@ -20,6 +20,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = False
 EQUATION_TYPE = 'changing type'
+NULL_LAGRANGIAN = False
 POLYCONVEX = False
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 7, "corner_slopes": 8, "corner_hessian": 31, "corner_semidefinite": 22, "corner_hessian_vector": 24, "residual": 39, "residual_slopes": 87, "residual_coefficients": 39}

@@ -21,6 +21,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 12, "corner_slopes": 14, "corner_hessian": 78, "corner_semidefinite": 61, "corner_hessian_vector": 75, "corner_semidefinite_vector": 62, "residual": 20, "residual_slopes": 52, "residual_coefficients": 20}

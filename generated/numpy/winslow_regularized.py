@@ -18,6 +18,7 @@ import numpy as np
 #: What solvers must know of this functional without deriving it.
 BARRIER = True
 EQUATION_TYPE = 'elliptic'
+NULL_LAGRANGIAN = False
 POLYCONVEX = True
 WEIGHT_PLANES = ()
 OPERATIONS = {"corner_energy": 25, "corner_slopes": 27, "corner_hessian": 147, "corner_semidefinite": 82, "corner_hessian_vector": 111, "corner_semidefinite_vector": 79}

@@ -78,6 +78,7 @@ class Kernel:
         digest: of the definition that everything was derived from.
         barrier: whether the energy is infinite where J = 0.
         equation_type: type of the Euler-Lagrange equations where J > 0: `elliptic`, or what they are instead.
+        null_lagrangian: whether the energy is the same for every grid with the same boundary.
         polyconvex: whether the semidefinite Hessian is so by derivation; else its eigenvalues are clamped.
         programs: by name.
     """
@@ -89,6 +90,7 @@ class Kernel:
     digest: str
     barrier: bool
     equation_type: str
+    null_lagrangian: bool
     polyconvex: bool
     programs: Mapping[str, Program]
 

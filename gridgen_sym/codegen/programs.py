@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from ..functionals.definition import Functional
-from ..symbolic.classify import equation_type
+from ..symbolic.classify import equation_type, is_null_lagrangian
 from ..symbolic.continuous import EulerLagrange, euler_lagrange, residual_slopes
 from ..symbolic.coordinates import (
     DIRECTION,
@@ -54,6 +54,7 @@ def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
         digest=digest(functional),
         barrier=has_barrier(functional),
         equation_type=equation_type(functional),
+        null_lagrangian=variant == "plain" and is_null_lagrangian(functional),
         polyconvex=model.splitting.holds,
         programs={program.name: program for program in programs},
     )

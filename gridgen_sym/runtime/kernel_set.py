@@ -37,6 +37,7 @@ class KernelSet:
         backend: `c` or `numpy`.
         barrier: whether the energy is infinite where J = 0.
         equation_type: type of the Euler-Lagrange equations where J > 0, `elliptic` or what they are instead.
+        null_lagrangian: whether the energy, over all corners, is the same for every grid with the same boundary.
         polyconvex: whether the semidefinite Hessian is so by derivation, not by clamped eigenvalues.
         weight_planes: names of the planes that `weight` must have.
         operations: number of arithmetic operations of each program.
@@ -47,6 +48,7 @@ class KernelSet:
     backend: str
     barrier: bool
     equation_type: str
+    null_lagrangian: bool
     polyconvex: bool
     weight_planes: tuple[str, ...]
     operations: Mapping[str, int]

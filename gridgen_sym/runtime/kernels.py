@@ -53,6 +53,7 @@ def kernels(
         backend=chosen.name,
         barrier=module["BARRIER"],
         equation_type=module["EQUATION_TYPE"],
+        null_lagrangian=module["NULL_LAGRANGIAN"],
         polyconvex=module["POLYCONVEX"],
         weight_planes=tuple(module["WEIGHT_PLANES"]),
         operations=module["OPERATIONS"],

@@ -114,9 +114,11 @@ class Problem:
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
 
     def caution(self, coordinates: Array) -> str:
-        """Return what the user must know of the weight, as a sentence with a leading blank, or nothing."""
+        """Return what the user must know of the energy and its weight, with a leading blank, or nothing."""
         if self.weight is None:
-            return ""
+            same = self.kernels.null_lagrangian and not self.interior_only
+            what = f" The energy of {self.kernels.functional} is the same for every grid with this boundary"
+            return f"{what}: there is nothing to minimise." if same else ""
         if self._planes is not None and not self._planes[0].any():
             flat = self.energy(coordinates)[0] == 0
             return (

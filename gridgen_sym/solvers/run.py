@@ -161,7 +161,9 @@ class Run:
             proofs = certificates(grid) if self.proofs is None else self.proofs
             if not self.explained:
                 folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
-                message += f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}"
+                message += (
+                    f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}".rstrip()
+                )
         return Result(
             grid=grid,
             converged=converged,

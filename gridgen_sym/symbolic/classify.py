@@ -84,6 +84,17 @@ def equation_type(functional: Functional) -> Type:
     return sampled_type(principal_symbol(variant_density(functional, "plain").subs(_defaults(functional))))
 
 
+def is_null_lagrangian(functional: Functional) -> bool:
+    """Return whether every grid with the same boundary has the same energy, whatever the parameters; without a weight.
+
+    The Euler–Lagrange equations vanish then. Such a density is J and the first derivatives times constants, whose sum
+    over the corners of a grid depends on the boundary nodes alone, as its integral does on the boundary.
+    """
+    density = variant_density(functional, "plain")
+    # abs(J) is as good as J where J > 0, and there only.
+    return bool(expand_metric(density).is_polynomial(*FIRST_DERIVATIVES)) and _is_zero(principal_symbol(density))
+
+
 def _defaults(functional: Functional) -> dict[Symbol, Expr]:
     return {symbol(name): sympy.nsimplify(value, rational=True) for name, value in functional.parameters.items()}
 

@@ -28,6 +28,19 @@ def test_every_grid_is_a_solution_of_a_null_lagrangian(constant_kernels, backend
     result = gg.optimize(start, "null_lagrangian", method, backend=backend)
     assert result.converged, result.message
     assert result.grid == start
+    assert result.message.endswith(
+        "are folded. The energy of null_lagrangian is the same for every grid with this boundary: "
+        "there is nothing to minimise."
+    )
+    assert gg.energy(gg.optimize(start, "winslow").grid, "null_lagrangian") == pytest.approx(result.energy, rel=1e-12)
+
+
+def test_what_is_no_null_lagrangian_on_the_grid_is_not_called_one(constant_kernels):
+    """With a weight, or without some of the corners, the energy differs from grid to grid."""
+    start = gg.domain("swan", 9, 9)
+    for options in ({"weight": "1 + x"}, {"weight": gg.Weight("1 + x", "differentiated")}, {"interior_only": True}):
+        assert "same for every grid" not in gg.optimize(start, "null_lagrangian", max_iterations=1, **options).message
+    assert "same for every grid" not in gg.optimize(start, "of_x_alone", max_iterations=1).message
 
 
 def test_sweeps_that_change_nothing_end(constant_kernels):

@@ -9,7 +9,7 @@ from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.functionals.metric import symbol
 from gridgen_sym.symbolic import classify
-from gridgen_sym.symbolic.classify import equation_type
+from gridgen_sym.symbolic.classify import equation_type, is_null_lagrangian
 from gridgen_sym.symbolic.coordinates import METRIC, J, expand_metric, g11, g12, g22, x_xi
 from gridgen_sym.symbolic.definiteness import is_high
 from gridgen_sym.symbolic.discrete import corner_model
@@ -103,6 +103,20 @@ def test_other_densities(density, expected):
 @pytest.mark.parametrize("name", KNOWN)
 def test_sampled_type_is_the_type(name):
     assert equation_type(functional(name)) == KNOWN[name][2]
+
+
+@pytest.mark.parametrize("density", ["J", "2 - 3*J + x_xi", "k*J"])
+def test_null_lagrangians(density):
+    assert is_null_lagrangian(Functional("null", density, parameters={"k": 2} if "k" in density else {}))
+
+
+@pytest.mark.parametrize("density", [*KNOWN, "abs(J)", "J + k*g11"])
+def test_no_null_lagrangians(density):
+    """Not for one value of a parameter alone, either."""
+    known = density in KNOWN
+    assert not is_null_lagrangian(
+        functional(density) if known else Functional("no_null", density, parameters={"k": 0} if "k" in density else {})
+    )
 
 
 def test_null_lagrangian_and_unbounded():
