@@ -23,6 +23,16 @@ def test_areas_count_also_on_a_sheared_grid():
     assert gg.interpolation_error(sheared, "x - 2*y") < 1e-13
 
 
+@pytest.mark.parametrize("widens", ["x", "y"])
+def test_areas_vary_within_a_cell_that_is_no_parallelogram(widens):
+    """Over 0 < a < 1 and 0 < b < 1 + a, however it is turned, the integral of a² is 1/3 + 1/4."""
+    along, across = gg.domain("square", 3, 3).planes
+    a, b = (along, across * (1 + along)) if widens == "x" else (across, -along * (1 + across))
+    turned = gg.Grid.from_planes(0.6 * a - 0.8 * b, 0.8 * a + 0.6 * b)
+    found = gg.interpolation_error(turned, "0.6*x + 0.8*y", np.zeros((3, 3)))
+    assert found == pytest.approx(np.sqrt(7 / 12), rel=1e-12)
+
+
 def test_given_nodal_values_take_the_functions_place():
     values = SQUARE.x**2
     assert gg.interpolation_error(SQUARE, "x**2 + 1", values + 1) == pytest.approx(0.01 / np.sqrt(30))
@@ -41,7 +51,7 @@ def test_a_sympy_expression_is_a_function():
         (SQUARE.xy, "x", None, "expected a Grid, came ndarray"),
         (SQUARE, "x", np.ones(3), r"shape \(11, 11\); came \(3,\)"),
         (SQUARE, lambda x, y: x[0], None, r"one finite number per point, shape \(11, 11\)"),
-        (SQUARE, lambda x, y: np.where(x > 0.93, np.nan, x), np.ones((11, 11)), "are not finite"),
+        (SQUARE, lambda x, y: np.where(x > 0.93, np.nan, x), np.ones((11, 11)), "and 10 of them are not finite"),
         (SQUARE, "x + z", None, "unknown name 'z'"),
     ],
 )

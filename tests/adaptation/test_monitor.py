@@ -43,19 +43,29 @@ def test_units_of_the_solution_do_not_matter(measure, scale, offset):
 
 def same_but_for_intensity(density, expected):
     ratio = (density - 1) / expected
+    assert ratio.mean() > 0
     np.testing.assert_allclose(ratio, ratio.mean(), rtol=0.05)
 
 
-def test_formulas():
-    """u = x³/6 on the uniform grid: slopes and second derivatives are known, and the errors that follow from them."""
-    x = SQUARE.x
-    found = {name: gg.Monitor(name, share=0.5, smoothing=0).density(SQUARE, x**3 / 6)[4:-4] for name in MEASURES}
+@pytest.mark.parametrize("stretched", [0.0, 0.1])
+def test_formulas(stretched):
+    """u = x³/6: slopes and second derivatives are known, and the errors that follow; the width of cells has no part."""
+    x = SQUARE.x + stretched * np.sin(2 * np.pi * SQUARE.x)
+    grid = gg.Grid.from_planes(x, SQUARE.y)
+    found = {name: gg.Monitor(name, share=0.5, smoothing=0).density(grid, x**3 / 6)[4:-4] for name in MEASURES}
     slope, inside = x[4:-4] ** 2 / 2, x[4:-4]
     same_but_for_intensity(found["gradient"], slope)
     same_but_for_intensity(found["arc_length"] ** 2, slope**2)
     same_but_for_intensity(found["curvature"], inside**0.4)
     same_but_for_intensity(found["recovery_error"], inside ** (2 / 3))
     same_but_for_intensity(found["hierarchical_error"], inside**0.4)
+
+
+@pytest.mark.parametrize(("measure", "power"), [("gradient", 1), ("arc_length", 2)])
+def test_slopes_have_two_components(measure, power):
+    inside = SQUARE.planes[:, 4:-4, 4:-4]
+    density = gg.Monitor(measure, share=0.5, smoothing=0).density(SQUARE, SQUARE.x**2 / 2 + SQUARE.y**2)[4:-4, 4:-4]
+    same_but_for_intensity(density**power, np.hypot(inside[0], 2 * inside[1]) ** power)
 
 
 def test_the_mixed_derivative_counts_twice():
