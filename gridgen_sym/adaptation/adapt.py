@@ -97,7 +97,7 @@ def adapt(
     sides = sliding_sides(start, boundary, fixed)
     mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides, deadline)
     run = _Run(source, as_monitor(monitor), mover, start)
-    with Live(f"adapt, {definition.name}", callback, progress, deadline) as live:
+    with Live(f"adapt, {definition.name}", callback, progress) as live:
         converged, stopped_by, message = run.until_ended(steps, moves or source.moves, tolerance, live)
     return run.result(converged, said + message, stopped_by)
 
@@ -136,6 +136,8 @@ class _Run:
     def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
         """Adapt until nothing moves, for so many steps at most."""
         live.tell(self._take(self.start, 0.0))
+        if not steps:
+            return False, None, "no step was allowed: this is the start."
         for _ in range(steps):
             moved = self.mover.towards(self.grid, self.density, moves)
             way = movement(self.grid, moved)

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import GridgenError
-from ..grids import Grid
+from ..grids import Grid, quality
+from ..grids.grid import check_grid
 from ..runtime import Array
 from ..solvers.weight_formula import compiled_formula, is_expression
 from .recovery import nodal_values
@@ -32,11 +33,12 @@ def interpolation_error(
         values: (ni, nj), the nodal values; by default those of the function.
 
     Raises:
-        GridgenError: for values of another shape or not finite, of the nodes or of the function, and for text that is
-            no formula.
+        GridgenError: for a folded grid, for values of another shape or not finite, of the nodes or of the function, and
+            for text that is no formula.
     """
-    if not isinstance(grid, Grid):
-        raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
+    check_grid(grid)
+    if not quality(grid).valid:
+        raise GridgenError("on a folded grid nodal values are no function of place: use gridgen_sym.untangle")
     given: Any = function
     exact = compiled_formula(given, "") if isinstance(given, str) or is_expression(given) else given
     u = nodal_values(grid, _on_points(exact, grid.x, grid.y) if values is None else values)

@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import GridgenError
 from ..grids import Grid
 from ..runtime import Array
+from ..solvers.weight import LARGEST
 from .equidistribution import cell_areas, cell_means
 
 #: The power of the density that the weight is, and the degree in J of what it multiplies.
@@ -49,8 +50,23 @@ def weight_values(density: Array, grid: Grid, law: tuple[float, float]) -> Array
     With the density over its mean in place of the density, and J over its mean in place of J, the balance of the
     weighted term with a barrier depends neither on the size of the domain, nor on the number of nodes, nor on the
     scale of the density.
+
+    Raises:
+        GridgenError: where it overflows: tiny cells, or a large power of a density that varies much.
     """
     power, degree = law
     area = cell_areas(grid)
-    mean = float((cell_means(density) * area).sum() / area.sum())
-    return np.asarray((density / mean) ** power / area.mean() ** degree)
+    relative = density / float((cell_means(density) * area).sum() / area.sum())
+    with np.errstate(over="ignore"):
+        weight = np.asarray(relative**power / area.mean() ** degree)
+    if weight.max() <= LARGEST:
+        return weight
+    if degree:
+        raise GridgenError(
+            f"the grid's cells have a mean area of {area.mean():.3g}, and the weight that places nodes overflows: "
+            "scale the grid to a size of about 1"
+        )
+    raise GridgenError(
+        f"the density of nodes is {relative.min():.3g} to {relative.max():.3g} of its mean, and its power {power:g}, "
+        "the weight, overflows: take another power, or a density that varies less"
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..solvers.deadline import Deadline, StopRequest
+from ..solvers.deadline import StopRequest
 from ..solvers.live import LiveLine
 from .result import AdaptStep
 
@@ -12,18 +12,18 @@ Callback = Callable[[AdaptStep], None]
 
 
 class Live(LiveLine):
-    """Hands steps on to a callback, shows them, and asks whether the time is over."""
+    """Hands steps on to a callback, and shows them."""
 
-    def __init__(self, title: str, callback: Callback | None, show: bool | None, deadline: Deadline) -> None:
+    def __init__(self, title: str, callback: Callback | None, show: bool | None) -> None:
         """Begin; `show` is by default whether standard error is a terminal."""
         super().__init__(title, show)
-        self._callback, self._deadline = callback, deadline
+        self._callback = callback
 
     def tell(self, step: AdaptStep) -> None:
         """Tell whoever wants to know of a step.
 
         Raises:
-            StopRequest: if the callback asks for it, or the time is over.
+            StopRequest: if the callback asks for it.
         """
         if self._callback is not None:
             try:
@@ -34,4 +34,3 @@ class Live(LiveLine):
             f"step {step.step}, movement {step.movement:.1e}, estimated error {step.error:.2e}, "
             f"spread {step.spread:.2f}, smallest J {step.min_jacobian:.1e}"
         )
-        self._deadline.check()

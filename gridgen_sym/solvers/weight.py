@@ -24,7 +24,7 @@ Source: TypeAlias = "str | float | sympy.Expr | Callable[[Array, Array], npt.Arr
 
 _NUMPY_FUNCTIONS = {name: getattr(np, {"atan": "arctan"}.get(name, name)) for name in FUNCTION_NAMES}
 #: Beyond this size the squares of weights, and their products with other terms, overflow.
-_LARGEST = 1e100
+LARGEST = 1e100
 #: Partial derivatives of the weight, by the name of its plane.
 _DERIVATIVES = {"s_x": "x", "s_y": "y", "s_xx": "xx", "s_xy": "xy", "s_yy": "yy"}
 
@@ -166,11 +166,11 @@ class Weight:
                 f"the {what} must be finite at every node; it is {value[i, j]} at node ({i}, {j}), "
                 f"x = {x[i, j]:.6g}, y = {y[i, j]:.6g}: check its formula there"
             )
-        if np.abs(value).max() > _LARGEST:
+        if np.abs(value).max() > LARGEST:
             i, j = divmod(int(np.abs(value).argmax()), value.shape[1])
             raise GridgenError(
                 f"the {what} is {value[i, j]:.3g} at node ({i}, {j}), x = {x[i, j]:.6g}, y = {y[i, j]:.6g}, and its "
-                f"square overflows: divide it by a constant (at most {_LARGEST:g} is allowed)"
+                f"square overflows: divide it by a constant (at most {LARGEST:g} is allowed)"
             )
 
     def _check_sign(self, value: Array, x: Array, y: Array) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 from solvers.conftest import hopeless_grid
@@ -19,6 +21,19 @@ def test_a_folded_start_is_untangled_and_a_hopeless_one_refused():
         gg.adapt(hopeless_grid(), ring)
 
 
+def test_a_folded_start_is_untangled_as_the_user_wants(monkeypatch):
+    given = {}
+
+    def recorded(grid, untangle=gg.untangle, **options):
+        given.update(options)
+        return untangle(grid, **options)
+
+    monkeypatch.setattr(import_module("gridgen_sym.adaptation.adapt"), "untangle", recorded)
+    wanted = {"fixed": np.eye(9, dtype=bool), "time_limit": 1e9, "backend": "numpy"}
+    gg.adapt(folded_square(9), ring, steps=1, **wanted)
+    assert given == wanted
+
+
 def test_a_folded_start_that_cannot_be_untangled_in_time_is_refused():
     with pytest.raises(gg.GridgenError, match=r"needs a valid start.* time limit of 1e-09 seconds is over"):
         gg.adapt(folded_square(9), ring, time_limit=1e-9)
@@ -34,6 +49,7 @@ def test_a_folded_start_that_cannot_be_untangled_in_time_is_refused():
         ({"time_limit": 0}, "time_limit must be a positive number of seconds; came 0"),
         ({"callback": 3}, "callback must be a function of one AdaptStep; came 3"),
         ({"boundary": "open"}, "unknown boundary 'open': it is one of fixed, straight, all"),
+        ({"backend": "fortran"}, "unknown backend 'fortran'"),
         ({"functional": "areas"}, "Did you mean 'area'"),
         ({"functional": "winslow"}, "how 'winslow' places nodes with a weight is not known"),
         ({"monitor": "slope"}, "unknown monitor 'slope'; known: gradient"),
@@ -61,6 +77,18 @@ def test_arguments_that_cannot_be_used_are_refused(options, match):
 def test_solutions_that_cannot_be_used_are_refused(solution, match):
     with pytest.raises(gg.GridgenError, match=match):
         gg.adapt(square(9), solution)
+
+
+@pytest.mark.parametrize(
+    ("size", "options", "match"),
+    [
+        (1e-29, {}, r"cells have a mean area of 1.56e-60, .* overflows: scale the grid to a size of about 1"),
+        (1.0, {"power": 2000}, r"is 0.\d+ to [1-9][.\d]* of its mean, and its power 2000, .*: take another power"),
+    ],
+)
+def test_a_weight_that_overflows_is_laid_to_what_was_given(size, options, match):
+    with pytest.raises(gg.GridgenError, match=match):
+        gg.adapt(gg.Grid(size * square(9).xy), lambda x, y: ring(x / size, y / size), **options)
 
 
 def test_a_start_that_is_no_grid_is_refused():

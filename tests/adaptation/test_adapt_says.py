@@ -42,6 +42,19 @@ def test_too_few_steps_are_told():
     assert str(result).startswith("NOT converged after 2 steps")
 
 
+def test_a_grid_has_settled_where_the_tolerance_says():
+    result = gg.adapt(square(17), ring, tolerance=0.05)
+    assert result.converged
+    *before, last = (step.movement for step in result.history[1:])
+    assert last <= 0.05 < min(before)
+
+
+def test_without_a_step_no_step_is_spoken_of():
+    result = gg.adapt(square(9), ring, steps=0)
+    assert (result.grid, result.iterations, result.converged) == (square(9), 0, False)
+    assert result.message.startswith("no step was allowed: this is the start. The estimated error")
+
+
 def test_nothing_to_adapt_to_leaves_a_uniform_grid():
     result = gg.adapt(square(17), "0*x + 3")
     assert result.converged

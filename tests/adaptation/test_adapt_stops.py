@@ -28,6 +28,14 @@ def test_ctrl_c_gives_the_last_grid_whose_solution_is_known():
     assert result.stopped_by == "Ctrl-C"
 
 
+def test_ctrl_c_in_the_first_solution_goes_on_to_the_user():
+    def solve(grid):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        gg.adapt(square(9), solve)
+
+
 def test_ctrl_c_in_an_untangling_goes_on_to_the_user(monkeypatch):
     def interrupted(*arguments):
         raise KeyboardInterrupt

@@ -7,6 +7,8 @@ import pytest
 
 import gridgen_sym as gg
 
+from .conftest import folded_square
+
 SQUARE = gg.domain("square", 11, 11)
 
 
@@ -49,6 +51,7 @@ def test_a_sympy_expression_is_a_function():
     ("grid", "function", "values", "match"),
     [
         (SQUARE.xy, "x", None, "expected a Grid, came ndarray"),
+        (folded_square(9), "x", None, "on a folded grid nodal values are no function of place"),
         (SQUARE, "x", np.ones(3), r"shape \(11, 11\); came \(3,\)"),
         (SQUARE, lambda x, y: x[0], None, r"one finite number per point, shape \(11, 11\)"),
         (SQUARE, lambda x, y: np.where(x > 0.93, np.nan, x), np.ones((11, 11)), "and 10 of them are not finite"),

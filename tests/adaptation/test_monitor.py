@@ -95,6 +95,16 @@ def test_a_constant_solution_asks_for_nothing(measure):
     np.testing.assert_array_equal(gg.Monitor(measure).density(SQUARE, np.full((33, 33), 2.0)), 1)
 
 
+def test_a_negative_measure_is_shown_with_its_place_and_what_helps():
+    def measure(grid, values):
+        return values - 2 * (grid.x == 0.25) * (grid.y == 0.875)
+
+    grid = gg.domain("square", 5, 9)
+    with pytest.raises(gg.GridgenError) as caught:
+        gg.Monitor(measure).density(grid, np.zeros((5, 9)))
+    assert "it is -2 at node (1, 7), x = 0.25, y = 0.875. Take its absolute value, or add 3 to it" in str(caught.value)
+
+
 def test_smoothing_keeps_constants_and_the_mean_and_widens_peaks():
     def smooth(passes):
         return gg.Monitor("values", smoothing=passes).density(SQUARE, peak)
@@ -105,6 +115,9 @@ def test_smoothing_keeps_constants_and_the_mean_and_widens_peaks():
     np.testing.assert_allclose(smooth(1)[15:18, 15:18] - 1, np.outer([1, 2, 1], [1, 2, 1]), rtol=1e-14)
     assert smooth(6).mean() == pytest.approx(peak.mean())
     assert smooth(6).max() < smooth(2).max()
+    peak[0, 32] = 17.0
+    assert smooth(6).mean() == pytest.approx(peak.mean())
+    np.testing.assert_allclose(smooth(1)[:2, -2:] - 1, [[3, 9], [1, 3]], rtol=1e-14)
 
 
 @pytest.mark.parametrize(

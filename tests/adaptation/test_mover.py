@@ -43,8 +43,14 @@ def test_a_grid_that_cannot_move_is_not_called_settled():
     assert "length is not minimised: the minimum lies beyond the valid grids" in result.message
 
 
-@pytest.mark.parametrize("moves", [1, 3])
-def test_nodes_are_moved_so_often_in_each_step(moves, monkeypatch):
+def solver(grid):
+    return ring(grid.x, grid.y)
+
+
+@pytest.mark.parametrize(
+    ("solution", "given", "moves"), [(ring, 3, 3), (ring, None, 1), (solver, 1, 1), (solver, None, 3)]
+)
+def test_nodes_are_moved_so_often_in_each_step(solution, given, moves, monkeypatch):
     calls = []
 
     def counted(grid, *arguments, optimize=gg.optimize, **options):
@@ -52,8 +58,15 @@ def test_nodes_are_moved_so_often_in_each_step(moves, monkeypatch):
         return optimize(grid, *arguments, **options)
 
     monkeypatch.setattr("gridgen_sym.adaptation.mover.optimize", counted)
-    result = gg.adapt(square(17), ring, steps=2, moves=moves)
+    result = gg.adapt(square(17), solution, steps=2, moves=given)
     assert (len(calls), result.iterations) == (2 * moves, 2)
+
+
+def test_parameters_are_those_of_the_functional():
+    """With much of Winslow's smoothness the weight changes little."""
+    start = square(17)
+    free, stiff = (gg.adapt(start, ring, steps=3, boundary="fixed", parameters={"k": k}).grid for k in (1e-9, 1e3))
+    assert movement(start, stiff) < 0.1 * movement(start, free)
 
 
 @pytest.mark.parametrize("nodes", [17, 33, 65])

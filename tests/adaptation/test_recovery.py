@@ -113,6 +113,13 @@ def test_the_hierarchical_error_is_that_of_interpolation():
     assert abs(effectivity(65) - 1) < abs(effectivity(17) - 1)
 
 
+def test_the_hierarchical_error_of_a_parabola_is_exact_in_every_cell():
+    """Of width h along the parabola: its error x(h - x) has the mean square h⁴/30, at the boundary too."""
+    grid = gg.domain("square", 9, 5)
+    for values, h in ((grid.x**2, 1 / 8), (grid.y**2, 1 / 4)):
+        np.testing.assert_allclose(gg.hierarchical_error(grid, values), np.sqrt(h**4 / 30 / 32), rtol=1e-12)
+
+
 @pytest.mark.parametrize("indicator", [gg.recovery_error, gg.hierarchical_error])
 def test_indicators_are_zero_for_linear_functions_and_point_at_kinks(indicator):
     grid = disordered(skewed(17), 0.1)
@@ -142,12 +149,16 @@ def test_richardson_finds_the_error_of_a_second_order_solver():
     ("call", "match"),
     [
         (lambda g: gg.recover_gradient(g, np.ones((3, 3))), r"nodal values must have the grid's shape \(9, 9\)"),
+        (lambda g: gg.recover_gradient(gg.domain("square", 9, 8), g.x[:-1]), r"shape \(9, 8\); came \(8, 9\)"),
         (lambda g: gg.recover_gradient(g, g.x * np.nan), r"node \(0, 0\) has nan"),
+        (lambda g: gg.recover_gradient(g, np.where(g.x + 8 * g.y == 1.25, np.inf, 1.0)), r"node \(2, 1\) has inf"),
         (lambda g: gg.recover_gradient(g.xy, g.x), "expected a Grid, came ndarray"),
         (lambda g: gg.recover_gradient(gg.Grid(g.xy[::-1]), g.x), "derivatives need a valid grid"),
         (lambda g: gg.richardson_error(gg.domain("square", 8, 9), np.ones((8, 9)), g.x), "odd numbers of nodes"),
+        (lambda g: gg.richardson_error(gg.domain("square", 9, 8), np.ones((9, 8)), g.x), "the grid has 9 x 8"),
         (lambda g: gg.richardson_error(g, g.x, g.x), r"every second node must have the grid's shape \(5, 5\)"),
         (lambda g: gg.richardson_error(g, g.x, g.x[::2, ::2], order=0), "must be positive; came 0"),
+        (lambda g: gg.richardson_error(g, g.x, g.x[::2, ::2], order=np.nan), "must be positive; came nan"),
     ],
 )
 def test_values_that_cannot_be_used_are_refused(call, match):
