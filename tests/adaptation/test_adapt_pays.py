@@ -83,9 +83,14 @@ def test_every_form_of_a_solution_gives_one_grid():
 
 def test_nodal_values_of_the_start_are_enough():
     start = square(65)
-    result = gg.adapt(start, ring(start.x, start.y))
+    values = ring(start.x, start.y)
+    result = gg.adapt(start, values)
     assert result.converged, result.message
     assert interpolation_error(result.grid, ring) < interpolation_error(start, ring) / 3
+    # The density is that of the start, carried along: derivatives of interpolated values would show the interpolation.
+    np.testing.assert_array_equal(
+        result.density, gg.transfer(start, gg.Monitor("curvature").density(start, values), result.grid)
+    )
     # The values were interpolated, and are as good as the start's.
     assert np.abs(result.values - ring(*result.grid.planes)).max() < 0.6
     assert np.sqrt(((result.values - ring(*result.grid.planes)) ** 2).mean()) < 0.1

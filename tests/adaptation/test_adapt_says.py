@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from solvers.conftest import farthest
 
 import gridgen_sym as gg
@@ -16,10 +17,14 @@ def test_the_history_tells_of_every_step():
     assert tuple(seen) == result.history
     assert [step.step for step in seen] == list(range(len(seen)))
     assert seen[0].movement == 0
+    assert seen[-1].min_jacobian == result.quality.min_jacobian < seen[0].min_jacobian
+    assert seen[-1].error == pytest.approx(np.linalg.norm(gg.hierarchical_error(result.grid, result.values)))
     assert seen[-1].movement <= 1e-3 < seen[-2].movement
     assert result.converged
     assert result.iterations < 30
     assert "has settled" in result.message
+    errors = f"was {seen[0].error:.2e}, now it is {seen[-1].error:.2e}."
+    assert f"The estimated error of interpolation {errors}" in result.message
     assert str(result).startswith(f"converged after {result.iterations} steps")
     assert np.array_equal(result.values, two_scales(*result.grid.planes))
 
@@ -39,6 +44,7 @@ def test_too_few_steps_are_told():
     result = gg.adapt(square(17), ring, steps=2)
     assert not result.converged
     assert "not settled in 2 steps" in result.message
+    assert f"moved a node by {result.history[-1].movement:.1e}, more than 1.0e-03" in result.message
     assert str(result).startswith("NOT converged after 2 steps")
 
 
