@@ -127,6 +127,18 @@ def test_nothing_is_done_where_nothing_can_be_mended():
 # ---- the ways ----
 
 
+@pytest.mark.parametrize("enough", [1, 2, 3])
+def test_the_ways_are_tried_in_turn_until_one_is_enough(enough, monkeypatch):
+    ways, tried = ("node_by_node", "window_by_window", "everywhere"), []
+    for way in ways:
+        monkeypatch.setattr(_Search, way, lambda self, way=way: tried.append(way))
+    monkeypatch.setattr(_Search, "done", property(lambda self: len(tried) == enough))
+    place, _ = folded(1.0)
+    problem = make_problem(gg.Grid.from_planes(*place), "winslow")
+    assert not unfold(problem, WINSLOW, place, None, Progress("unfold", show=False))
+    assert tuple(tried) == ways[:enough]
+
+
 def test_the_least_folded_grid_is_kept():
     deep, shallow, valid = (folded(depth)[0] for depth in (1.0, 0.5, -1.0))
     least = _Least(make_problem(gg.Grid.from_planes(*deep), "winslow"), shallow)
