@@ -43,8 +43,7 @@ def unfold(
     Returns:
         Whether the grid is valid.
     """
-    start = coordinates.copy()
-    search = _Search(problem, functional, parameters, progress, start, _Least(problem, start))
+    search = _Search(problem, functional, parameters, progress, coordinates, _Least(problem, coordinates))
     try:
         for way in (search.node_by_node, search.window_by_window, search.everywhere):
             way()

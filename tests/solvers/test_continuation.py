@@ -11,6 +11,7 @@ import gridgen_sym as gg
 from gridgen_sym.functionals import functional
 from gridgen_sym.solvers import continuation
 from gridgen_sym.solvers.continuation import _ended, path, regularized
+from gridgen_sym.solvers.deadline import StopRequest
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.progress import Progress
@@ -140,8 +141,11 @@ def test_the_ways_are_tried_in_turn_until_one_is_enough(enough, monkeypatch):
 
 
 def test_the_least_folded_grid_is_kept():
-    deep, shallow, valid = (folded(depth)[0] for depth in (1.0, 0.5, -1.0))
-    least = _Least(make_problem(gg.Grid.from_planes(*deep), "winslow"), shallow)
+    deep, shallow, valid = (folded(depth)[0] for depth in (0.4, 0.3, -1.0))
+    least = _Least(make_problem(gg.Grid.from_planes(*deep), "winslow"), deep)
+    cells = least.folds.cells
+    least.offer(shallow)
+    assert least.folds.cells == cells
     least.offer(deep)
     assert np.array_equal(least.coordinates, shallow)
     offered = valid.copy()
@@ -149,6 +153,18 @@ def test_the_least_folded_grid_is_kept():
     offered[...] = 0.0
     assert np.array_equal(least.coordinates, valid)
     assert least.folds.cells == 0
+
+
+def test_whatever_ends_it_the_least_folded_grid_is_left(monkeypatch):
+    def stopped(self):
+        self.least.offer(valid)
+        raise StopRequest("callback", "enough")
+
+    (place, _), (valid, _) = folded(1.0), folded(-1.0)
+    monkeypatch.setattr(_Search, "node_by_node", stopped)
+    with pytest.raises(StopRequest):
+        unfold(make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, Progress("", show=False))
+    assert np.array_equal(place, valid)
 
 
 def search(knot):
