@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from itertools import count
 
 import numpy as np
@@ -187,6 +188,23 @@ def test_a_window_is_unfolded_by_itself():
     assert found.done
     assert moved(found).min() >= 10 - 1 - 12
     assert moved(found).max() <= 14 + 1 + 12
+
+
+def test_a_window_begins_at_the_least_folded_grid_and_gives_back_whatever_ends_it(monkeypatch):
+    given, found = [], search(5)
+    found.parameters = {"k": 2.0}
+    found.least.coordinates = found.start + 100.0  # As folded as the start, and told apart from it.
+
+    def stopped(problem, functional, place, parameters, progress):
+        given.append(parameters)
+        place[...] = place[:, :1, :1] + np.indices(place.shape[1:])
+        raise StopRequest("callback", "enough")
+
+    monkeypatch.setattr(import_module("gridgen_sym.solvers.untangle"), "unfold", stopped)
+    with pytest.raises(StopRequest):
+        found.window_by_window()
+    assert given == [found.parameters]
+    assert np.array_equal(found.least.coordinates, 100.0 + np.indices((41, 41)))
 
 
 def test_only_few_folds_are_unfolded_node_by_node():
