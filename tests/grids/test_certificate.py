@@ -15,6 +15,7 @@ from gridgen_sym.grids.grid import boundary_indices
 from gridgen_sym.grids.neck import crowded_nodes
 from gridgen_sym.grids.polygon import first_crossing, proper_crossings, winding_number
 from gridgen_sym.grids.predicates import area_sign, orientation
+from gridgen_sym.grids.proofs import _cells_text
 
 DOMAINS = SHARED / "domains"
 
@@ -283,3 +284,16 @@ def test_the_regions_have_none():
     assert len(paths) == 27
     for path in paths:
         assert gg.certificates(gg.Grid(np.load(path)["xy"])) == (), path.stem
+
+
+@pytest.mark.parametrize(
+    ("count", "text"),
+    [
+        (1, "the cell (0, 1)"),
+        (2, "the 2 cells (0, 1), (1, 2)"),
+        (6, "the 6 cells (0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6)"),
+        (7, "the 7 cells (0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6) and 1 more"),
+    ],
+)
+def test_a_message_counts_cells_and_names_the_first(count, text):
+    assert _cells_text(tuple((k, k + 1) for k in range(count))) == text
