@@ -42,8 +42,8 @@ class Conflict:
 
     cells: tuple[Node, ...]
     work: int
-    share: float = 0.0
-    cases: bool = True
+    share: float
+    cases: bool
 
 
 def contracted_places(
