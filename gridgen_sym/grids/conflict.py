@@ -35,8 +35,8 @@ class Conflict:
     Attributes:
         cells: each by its first node (i, j).
         work: how many rules were used to prove it.
-        share: what cannot be is that their corner Jacobians all exceed this part of their expected areas: at 0, that
-            all are valid.
+        share: what cannot be is that their corner Jacobians all exceed this part of what is expected of them: at 0,
+            that all are valid.
         cases: whether cases had to be told apart.
     """
 
@@ -63,7 +63,7 @@ def contracted_places(
         grid: any grid with the boundary nodes; its inner nodes do not matter.
         cells: each by its first node (i, j); all cells if None. Only what these say is used.
         work: how many rules may be used.
-        share: corner Jacobians exceed this part of the area that the boundary's spacing gives their cell.
+        share: corner Jacobians exceed this part of what the boundary's spacing lets expect (`expected_jacobians`).
         cases: False to look at corners only, and to tell no cases apart: this is quick, and proves less.
         check: called again and again; what it raises ends the work.
 

@@ -8,8 +8,8 @@ one on the boundary, and nowhere turned over, so it is one to one): there every 
 two nodes of a cell does not lead through what lies outside.
 
 From there the places are contracted. If nothing is left for a node, there is no valid grid: this is a proof, for all
-signs are those of whole numbers. The same rules, with a part of each cell's expected area instead of zero, prove that
-every grid has a sliver.
+signs are those of whole numbers. The same rules, with a part of what is expected of each Jacobian instead of zero,
+prove that every grid has a sliver.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
-from itertools import combinations, permutations
+from itertools import permutations
 
 from .cuts import common_part
-from .expected_areas import expected_areas
+from .expected_jacobians import expected_jacobians
 from .grid import Grid, boundary_indices
 from .lattice import Lattice, Point, Polygon, convex_hull, doubled_area, simpler
 from .neck import Node
@@ -70,7 +70,7 @@ class Network:
             grid: has the boundary.
             cells: those whose corners count.
             work: how many rules may be used.
-            share: corner Jacobians exceed this part of the expected area of their cell; 0 says that they are positive.
+            share: corner Jacobians exceed this part of what is expected of them; 0 says that they are positive.
             sight: whether nodes of a cell must see each other, too.
             check: called again and again; what it raises ends the work.
         """
@@ -98,19 +98,21 @@ class Network:
             for node in rule.others:
                 self._with[node].append(number)
 
-    def _least_jacobians(self, grid: Grid, share: float, ring: list[Point]) -> list[int]:
+    def _least_jacobians(self, grid: Grid, share: float, ring: list[Point]) -> list[list[int]]:
         """Return what the Jacobians at the corners of each cell must exceed, rounded down."""
         if not share:
-            return [0] * len(self.cells)
-        parts, inside = share * expected_areas(grid), Fraction(max(doubled_area(tuple(ring)), 0), 2)
-        return [int(Fraction(parts[cell]) * inside) for cell in self.cells]
+            return [[0] * 4] * len(self.cells)
+        parts, inside = share * expected_jacobians(grid), Fraction(max(doubled_area(tuple(ring)), 0), 2)
+        return [[int(Fraction(part) * inside) for part in parts[:, i, j]] for i, j in self.cells]
 
-    def _corner_rules(self, least: list[int]) -> Iterator[Rule]:
+    def _corner_rules(self, least: list[list[int]]) -> Iterator[Rule]:
         """Return what the corners of the cells say."""
         for number, cell in enumerate(self.cells):
-            for corner in combinations(nodes_of(cell), 3):
-                for k in range(3):
-                    yield Rule(corner[k], (corner[k - 2], corner[k - 1]), (), 1 << number, least[number])
+            nodes = nodes_of(cell)
+            for k in range(4):
+                corner = nodes[k - 1], nodes[k], nodes[(k + 1) % 4]
+                for m in range(3):
+                    yield Rule(corner[m], (corner[m - 2], corner[m - 1]), (), 1 << number, least[number][k])
 
     def _sight_rules(self, fixed: dict[Node, Point]) -> Iterator[Rule]:
         """Return what it says that nodes of a cell see each other, past what is outside near them."""

@@ -29,7 +29,7 @@ from .windows import cut_out
 
 #: Nodes up to so many cells from a fold are moved, at first and then.
 _LAYERS = (3, 9)
-#: Grids whose corner Jacobians exceed such a part of the expected areas are looked for.
+#: Grids whose corner Jacobians exceed such a part of what is expected of them are looked for.
 _SHARES = (0.1, 0.01, 1e-3, 1e-4, 1e-6)
 
 
