@@ -39,10 +39,11 @@ is cut along convex pieces of the boundary's inside, so that it bends as the bou
 are halved, and both cases are followed up. A node that is left without a place is the proof, for all signs are those
 of whole numbers; the certificate names cells that cannot all be valid.
 
-The same search tells more where J shall not only be positive but exceed a part of the area that the spacing of the
-boundary's nodes gives the cell. The larger that part, the smaller are the places, until there are none. So it is found
-about how good a grid can be: from the middle of these last places valid grids are found that no energy led to, and
-where none is, a certificate of kind `sliver` proves that every valid grid has a cell that is nearly folded, or small.
+The same search tells more where J shall not only be positive but exceed a part of the area that the lengths of the
+boundary's edges let expect there. The larger that part, the smaller are the places, until there are none. So it is
+found about how good a grid can be: from the middle of these last places valid grids are found that no energy led to,
+and where none is, a certificate of kind `sliver` proves that every valid grid has a cell that is nearly folded, or
+small.
 """
 
 LIST_TEXT = (

@@ -22,7 +22,7 @@ class Certificate:
             nodes at a logical corner turn the wrong way; 'spike': the boundary runs back on itself at a node; 'neck':
             there is no place for an inner node; 'conflict': some cells cannot all be valid while the others are, which
             a search has shown; 'sliver': in every valid grid, if there is one, some of these cells is nearly folded, or
-            much smaller than the spacing of the boundary's nodes lets expect.
+            much smaller than the lengths of the boundary's edges let expect.
         nodes: indices (i, j) of the nodes that prove it. Two for 'coincident'; the ends of two edges for 'crossing';
             before, at and after the place for 'corner' and 'spike'; the inner node and pairs of boundary nodes, to
             the left of each of which it would have to lie, for 'neck'; none for 'clockwise'; the four of each cell,
@@ -32,7 +32,7 @@ class Certificate:
             'angle': its inner angle in degrees, also of a 'spike'; 'crossings': how many pairs of edges cross;
             'winding': how often the boundary winds round the point 'x', 'y'; 'turn': its total turn in degrees;
             'cells': how many conflict; 'share': the corner Jacobians of a 'sliver' cannot all exceed this part of the
-            area that the spacing of the boundary's nodes gives their cell.
+            area that the lengths of the boundary's edges let expect there.
         message: a sentence that names the thing and what helps.
     """
 

@@ -52,7 +52,7 @@ def sliver_certificate(
     """Return a proof that every valid grid with some boundary nodes, if there is one, has a sliver.
 
     Some corner Jacobian is at most a small part, the smallest for which that was proved of a few from 0.1 to 1e-6, of
-    the area that the spacing of the boundary's nodes gives its cell. So that corner is nearly folded, or its cell is
+    the area that the lengths of the boundary's edges let expect there. So that corner is nearly folded, or its cell is
     small: a narrow neck makes cells small in good grids, too. It is meant for boundaries for which neither a valid grid
     is found nor a proof that there is none, and was found for all but few of these.
 
@@ -98,7 +98,7 @@ def _searched(grid: Grid, conflict: Conflict) -> Certificate:
     message = (
         f"every valid grid, if there is one, has a nearly folded or small cell: near {place} there is little room for "
         f"the inner nodes: wherever they are, not all corner Jacobians of {cells} can exceed {100 * conflict.share:g} "
-        f"% of the area that the spacing of the boundary's nodes gives the cell. {help_text}"
+        f"% of the area that the lengths of the boundary's edges let expect there. {help_text}"
     )
     return Certificate("sliver", nodes, point, numbers | {"share": conflict.share}, message)
 

@@ -128,6 +128,7 @@ class Run:
 
     def _search_sliver(self, work: int) -> tuple[Certificate, ...]:
         """Search for the proof that every grid of this boundary has a sliver."""
+        self.report.display("searching for a proof that every valid grid has a nearly folded or small cell")
         sliver = sliver_certificate(Grid.from_planes(*self.coordinates), work=work, check=self.report.deadline.check)
         return (sliver,) if sliver else ()
 

@@ -158,7 +158,7 @@ def test_its_certificate_says_what_is_proved_and_no_more():
     assert not proof.impossible
     assert proof.numbers == {"cells": len(proof.nodes) / 4, "share": share}
     assert "no valid grid exists" not in proof.message
-    assert f"can exceed {100 * share:g} % of the area that the spacing of the boundary's nodes gives" in proof.message
+    assert f"can exceed {100 * share:g} % of the area that the lengths of the boundary's edges let" in proof.message
     for i, j in proof.nodes[::4]:
         assert f"({i}, {j})" in proof.message
     assert all(other.impossible for other in gg.certificates(band(9, 3, 5), search=True))
