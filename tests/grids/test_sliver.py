@@ -28,7 +28,8 @@ each_open = pytest.mark.parametrize(("start", "share"), OPEN.values(), ids=OPEN)
 
 
 def inside_area(grid):
-    x, y = grid.planes[:, *boundary_indices(*grid.shape).T]
+    ring = grid.planes[:, *boundary_indices(*grid.shape).T]
+    x, y = ring - ring[:, :1]  # Far from 0, products would be too inexact.
     return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2)
 
 
