@@ -100,8 +100,6 @@ class Network:
 
     def _least_jacobians(self, grid: Grid, share: float, ring: list[Point]) -> list[list[int]]:
         """Return what the Jacobians at the corners of each cell must exceed, rounded down."""
-        if not share:
-            return [[0] * 4] * len(self.cells)
         parts, inside = share * expected_jacobians(grid), Fraction(max(doubled_area(tuple(ring)), 0), 2)
         return [[int(Fraction(part) * inside) for part in parts[:, i, j]] for i, j in self.cells]
 

@@ -75,17 +75,15 @@ def _starts(window: Array, free: npt.NDArray[np.bool_], deadline: Deadline, work
 
     There are none if its sides admit no grid whose corner Jacobians exceed the least share.
     """
-    possible = False
     for share in _SHARES:
         places = contracted_places(Grid.from_planes(*window), work=work, share=share, check=deadline.check)
         if not isinstance(places, Conflict):
-            possible = True
             start = window.copy()
             for node, parts in places.items():
                 if free[node]:
                     start[:, *node] = parts[0].mean(axis=0)
             yield start
-    if not possible:
+    if isinstance(places, Conflict):  # At the least share, too.
         return
     xy = window.transpose(1, 2, 0)
     yield np.where(free, transfinite(xy[:, 0], xy[:, -1], xy[0], xy[-1]).planes, window)
