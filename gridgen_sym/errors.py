@@ -7,6 +7,17 @@ class GridgenError(ValueError):
     """Input that gridgen_sym cannot use; the message says what is wrong with it and how to mend it."""
 
 
+def quoted(value: object, longest: int = 200) -> str:
+    """Return what was given as it would be typed, for a message: cut where it is too long to read."""
+    return shortened(repr(value), longest)
+
+
+def shortened(value: object, longest: int = 200) -> str:
+    """Return the text of a value, for a message: cut where it is too long to read."""
+    text = str(value)
+    return text if len(text) <= longest else f"{text[:longest]}... ({len(text)} characters)"
+
+
 class MissingExtraError(GridgenError, ImportError):
     """An optional package is needed and not installed; the message gives the command that installs it."""
 

@@ -10,7 +10,8 @@ from collections.abc import Callable, Mapping
 from numbers import Real
 from typing import Any, SupportsIndex
 
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
+from .expression import name_instead_of
 from .metric import RESERVED_NAMES
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -21,9 +22,11 @@ _LARGEST_FACTOR = 1000
 
 def check_arguments(name: object, density: object, constraints: object, factor: object, description: object) -> None:
     """Refuse arguments of `define` that are not of their kind."""
-    if not isinstance(name, str) or not _NAME.fullmatch(name) or keyword.iskeyword(name):
+    if isinstance(name, str) and keyword.iskeyword(name):
+        raise GridgenError(f"{name!r} cannot name a functional: it is a word of Python; write {name_instead_of(name)}")
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
         raise GridgenError(
-            f"{name!r} cannot name a functional: use lower-case letters, digits and _, as in 'my_winslow'"
+            f"{quoted(name)} cannot name a functional: use lower-case letters, digits and _, as in 'my_winslow'"
         )
     if len(name) > _LONGEST_NAME:
         raise GridgenError(
@@ -32,21 +35,21 @@ def check_arguments(name: object, density: object, constraints: object, factor: 
     if not (isinstance(density, str) or callable(density)):
         raise GridgenError(
             f"the density of functional {name!r} must be a function of the metric m, or text such as "
-            f"'(g11 + g22)/J'; came {density!r}"
+            f"'(g11 + g22)/J'; came {quoted(density)}"
         )
     if not (isinstance(constraints, (tuple, list)) and all(isinstance(one, str) for one in constraints)):
         raise GridgenError(
             f"constraints of functional {name!r} must be a tuple of comparisons, such as ('k >= 0',); "
-            f"came {constraints!r}"
+            f"came {quoted(constraints)}"
         )
     whole = isinstance(factor, SupportsIndex) and not isinstance(factor, bool)
     if not (whole and 1 <= operator.index(factor) <= _LARGEST_FACTOR):  # type: ignore[arg-type]
         raise GridgenError(
             f"corner_factor of functional {name!r} must be a whole number from 1 to {_LARGEST_FACTOR}; "
-            f"came {factor!r}; put other factors into the density"
+            f"came {quoted(factor)}; put other factors into the density"
         )
     if not isinstance(description, str):
-        raise GridgenError(f"description of functional {name!r} must be text; came {description!r}")
+        raise GridgenError(f"description of functional {name!r} must be text; came {quoted(description)}")
 
 
 def given_parameters(name: str, parameters: object) -> dict[str, float]:
@@ -55,11 +58,14 @@ def given_parameters(name: str, parameters: object) -> dict[str, float]:
         return {}
     if not isinstance(parameters, Mapping):
         raise GridgenError(
-            f"parameters of functional {name!r} must map names to numbers, such as {{'k': 1.0}}; came {parameters!r}"
+            f"parameters of functional {name!r} must map names to numbers, such as {{'k': 1.0}}; "
+            f"came {quoted(parameters)}"
         )
     for key, value in parameters.items():
         if not isinstance(value, Real):
-            raise GridgenError(f"parameter {key!r} of functional {name!r} is {value!r}: give a finite number")
+            raise GridgenError(
+                f"parameter {quoted(key)} of functional {name!r} is {quoted(value)}: give a finite number"
+            )
     return {key: _float(value) for key, value in parameters.items()}
 
 
@@ -94,9 +100,15 @@ def _float(value: Real) -> float:
 def check_parameter_names(functional: str, parameters: Mapping[str, float]) -> None:
     """Refuse names of parameters that are taken or unusable."""
     for name in parameters:
-        if not isinstance(name, str) or not _PARAMETER.fullmatch(name) or keyword.iskeyword(name):
+        if isinstance(name, str) and keyword.iskeyword(name):
             raise GridgenError(
-                f"parameter {name!r} of functional {functional!r} is not a usable name: use letters, digits and _"
+                f"parameter {name!r} of functional {functional!r} is not a usable name: it is a word of Python; "
+                f"write {name_instead_of(name)}"
+            )
+        if not isinstance(name, str) or not _PARAMETER.fullmatch(name):
+            raise GridgenError(
+                f"parameter {quoted(name)} of functional {functional!r} is not a usable name: use letters, digits and "
+                "_, with a letter first"
             )
         if len(name) > _LONGEST_NAME:
             raise GridgenError(

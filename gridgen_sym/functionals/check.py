@@ -6,9 +6,13 @@ import cmath
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from ..errors import GridgenError
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import GridgenError, shortened
 from .expression import FUNCTION_NAMES, LARGEST_EXPONENT
 from .metric import DENSITY_NAMES, WEIGHT_NAME, symbol, sympy_functions
+from .smoothness import rough_part
 
 if TYPE_CHECKING:
     import sympy
@@ -17,6 +21,8 @@ if TYPE_CHECKING:
 
 # Edge vectors (x_xi, y_xi, x_eta, y_eta) of corners with J > 0 on which every density must be real and finite.
 _VALID_CORNERS = ((1, 0, 0, 1), (2, 1, -1, 1), (1, -1, 1, 3), (3, 0, 2, 1))
+#: Sizes of the corners on which derivatives must exist: cells of coarse and of fine grids.
+_SIZES = (1e-3, 1e-2, 0.1, 1.0, 10.0)
 _COMPLEX_FUNCTIONS = {name: getattr(cmath, name) for name in FUNCTION_NAMES if name != "abs"} | {"abs": abs}
 
 
@@ -32,6 +38,7 @@ def check_density(functional: Functional) -> None:
     _check_symbols(functional, density)
     for corner in _VALID_CORNERS:
         _check_value(functional, density, corner)
+    _check_derivatives(functional, density)
 
 
 def _check_symbols(functional: Functional, density: sympy.Expr) -> None:
@@ -95,6 +102,30 @@ def _check_value(functional: Functional, density: sympy.Expr, corner: tuple[int,
             f"the density of functional {functional.name!r} is {came} on the valid corner with edge vectors "
             f"g1 = {corner[:2]}, g2 = {corner[2:]}, s = 1: it must be real and finite wherever J > 0"
         )
+
+
+def _check_derivatives(functional: Functional, density: sympy.Expr) -> None:
+    """Refuse a density without derivatives in a whole region, such as the root of max(0, .); a kink is allowed."""
+    corners = _random_corners()
+    rough = rough_part(density, corners, functional.parameters)
+    if rough is None:
+        return
+    a, b, c, d = corners[:, rough.corners.argmax()]
+    what = "first" if rough.order == 1 else "second"
+    raise GridgenError(
+        f"the density of functional {functional.name!r} has no {what} derivative on the valid corner with edge vectors "
+        f"g1 = ({a:.3g}, {b:.3g}), g2 = ({c:.3g}, {d:.3g}), nor near it, because of the term {shortened(rough.part)}: "
+        "keep what stands under a root or a broken power above 0, for example by adding 1e-12 to it, or square it"
+    )
+
+
+def _random_corners() -> NDArray[np.float64]:
+    """Return edge vectors of corners with J > 0, (4, n): of many sizes, and on no kink but by chance."""
+    random = np.random.default_rng(11)
+    corners = random.normal(size=(4, 25 * len(_SIZES)))
+    corners[2:] *= np.where(corners[0] * corners[3] < corners[1] * corners[2], -1, 1)
+    corners *= np.repeat(_SIZES, 25)
+    return corners
 
 
 def sample_values(corner: tuple[int, int, int, int]) -> Iterator[tuple[Any, Any]]:

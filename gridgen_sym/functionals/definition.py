@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any
 
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from . import expression
 from .arguments import check_arguments, check_parameter_names, given_parameters, parameters_of
 from .metric import DENSITY_NAMES, symbol, symbolic_metric, sympy_functions
@@ -99,12 +99,12 @@ class Functional:
         for name, value in (given or {}).items():
             if name not in merged:
                 known = ", ".join(merged) or "none: it has no parameters"
-                raise GridgenError(f"functional {self.name!r} has no parameter {name!r}; it has {known}")
+                raise GridgenError(f"functional {self.name!r} has no parameter {quoted(name)}; it has {known}")
             try:
                 merged[name] = float(value)
             except (TypeError, ValueError, OverflowError):
                 raise GridgenError(
-                    f"parameter {name!r} of functional {self.name!r} is {value!r}: give a finite number"
+                    f"parameter {name!r} of functional {self.name!r} is {quoted(value)}: give a finite number"
                 ) from None
             if not abs(merged[name]) < float("inf"):
                 raise GridgenError(f"parameter {name!r} of functional {self.name!r} is {value}: give a finite number")
@@ -135,7 +135,7 @@ def functional(name: str | Functional) -> Functional:
     if not isinstance(name, str) or name not in _registry:
         close = get_close_matches(str(name), _registry, n=1)
         hint = f" Did you mean {close[0]!r}?" if close else ""
-        raise GridgenError(f"unknown functional {name!r}; known: {', '.join(_registry)}.{hint}")
+        raise GridgenError(f"unknown functional {quoted(name)}; known: {', '.join(_registry)}.{hint}")
     return _registry[name]
 
 

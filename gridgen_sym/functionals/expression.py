@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import ast
+import keyword
 import operator
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any
 
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 
 #: Functions that a density or a weight may call, by the name used in text.
 FUNCTION_NAMES = ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "abs")
 #: Bounds on what a text may hold: beyond them SymPy computes without end, or kernels overflow.
+LONGEST = 20_000
 DEEPEST = 200
 LARGEST = 1e300
 LARGEST_EXPONENT = 64
@@ -26,13 +29,26 @@ _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Pow: operator.pow,
 }
 _UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {ast.UAdd: operator.pos, ast.USub: operator.neg}
-_COMPARE: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
-    ast.GtE: operator.ge,
-    ast.Gt: operator.gt,
-    ast.LtE: operator.le,
-    ast.Lt: operator.lt,
-    ast.Eq: lambda left, right: abs(left - right) <= 1e-12 * max(1.0, abs(left), abs(right)),
+_SIGNS: dict[type[ast.cmpop], str] = {ast.GtE: ">=", ast.Gt: ">", ast.LtE: "<=", ast.Lt: "<", ast.Eq: "=="}
+_COMPARE: dict[str, Callable[[float, float], bool]] = {
+    ">=": operator.ge,
+    ">": operator.gt,
+    "<=": operator.le,
+    "<": operator.lt,
+    "==": lambda left, right: abs(left - right) <= 1e-12 * max(1.0, abs(left), abs(right)),
 }
+_COMPARISON_HINT = "Write a comparison of the parameters, for example 'k >= 0'."
+_WORD = re.compile(r"[A-Za-z_]\w*")
+_LINE_END = re.compile(rb"\r\n|\r|\n")
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A comparison of two values: `left` stands before the sign `sign`, one of `>=`, `>`, `<=`, `<` and `==`."""
+
+    left: Any
+    sign: str
+    right: Any
 
 
 def evaluate(
@@ -41,7 +57,7 @@ def evaluate(
     functions: Mapping[str, Callable[..., Any]],
     number: Callable[[str], Any] = float,
 ) -> Any:  # noqa: ANN401 - the value is whatever the names and functions work on: floats, arrays or SymPy
-    """Return the value of the arithmetic expression `text`.
+    """Return the value of the arithmetic expression `text`, in time linear in its length.
 
     Args:
         text: for example `"(g11 + g22)/J"`; operators + - * / **, parentheses, calls of `functions`.
@@ -50,62 +66,96 @@ def evaluate(
         number: makes a value from the text of a number.
 
     Raises:
-        GridgenError: for a syntax error, `^` used for power, an unknown name or function, numbers, powers
-            or a nesting beyond all use, or anything that is not arithmetic; the message quotes the
+        GridgenError: for a syntax error, `^` used for power, an unknown name or function, numbers, powers, a
+            length or a nesting beyond all use, or anything that is not arithmetic; the message quotes the
             offending part.
     """
     tree = _parsed(text, "formula", "Write it as Python arithmetic.")
-    return _Reader(text, names, functions, number).read(tree, 0)[0]
+    return _Reader(text.strip(), names, functions, number).read(tree, 0)[0]
 
 
 def holds(condition: str, values: Mapping[str, float]) -> bool:
-    """Return whether a comparison such as `"k_A + k_L + k_O == 1"` holds; equality up to round-off.
+    """Return whether a condition such as `"0 < k < 1"` holds; equality up to round-off.
 
     Raises:
-        GridgenError: if the condition is not one comparison of arithmetic in `values`.
+        GridgenError: if the condition is not a comparison of arithmetic in `values`, or has no value there.
     """
-    hint = "Write one comparison of the parameters, for example 'k >= 0'."
-    tree = _parsed(condition, "constraint", hint)
-    if not (isinstance(tree, ast.Compare) and len(tree.ops) == 1 and type(tree.ops[0]) in _COMPARE):
-        raise GridgenError(f"the constraint {condition!r} is not one comparison: write for example 'k >= 0'")
-    reader = _Reader(condition, values, {}, float)
     try:
-        left, right = (reader.read(side, 0)[0] for side in (tree.left, tree.comparators[0]))
-        return _COMPARE[type(tree.ops[0])](left, right)
+        return all(_COMPARE[one.sign](one.left, one.right) for one in comparisons(condition, values))
     except (ArithmeticError, TypeError) as error:  # A division by zero, or a root of a negative number.
         came = ", ".join(f"{name} = {value:g}" for name, value in values.items())
-        raise GridgenError(f"the constraint {condition!r} has no value for {came}: {error}. {hint}") from None
+        raise GridgenError(
+            f"the constraint {quoted(condition)} has no value for {came}: {error}. {_COMPARISON_HINT}"
+        ) from None
+
+
+def comparisons(
+    condition: str, names: Mapping[str, Any], number: Callable[[str], Any] = float
+) -> tuple[Comparison, ...]:
+    """Return the comparisons of a condition: one of `"k_A + k_L + k_O == 1"`, two of `"0 < k < 1"`.
+
+    Args:
+        condition: values compared by >=, >, <=, < or ==.
+        names: the value of every name that may stand in the condition: floats, arrays or SymPy symbols.
+        number: makes a value from the text of a number.
+
+    Raises:
+        GridgenError: if the condition is no comparison of arithmetic.
+    """
+    tree = _parsed(condition, "constraint", _COMPARISON_HINT)
+    if not (isinstance(tree, ast.Compare) and all(type(op) in _SIGNS for op in tree.ops)):
+        raise GridgenError(f"the constraint {quoted(condition)} is not a comparison: write for example 'k >= 0'")
+    reader = _Reader(condition.strip(), names, {}, number)
+    sides = [reader.read(side, 0)[0] for side in (tree.left, *tree.comparators)]
+    return tuple(
+        Comparison(left, _SIGNS[type(op)], right) for left, op, right in zip(sides, tree.ops, sides[1:], strict=False)
+    )
+
+
+def name_instead_of(word: str) -> str:
+    """Return a usable name in the place of a word of Python; the usual letter of a multiplier is one."""
+    return "lambda_ or lam" if word == "lambda" else f"{word.lower()}_"
 
 
 def _parsed(text: str, kind: str, hint: str) -> ast.expr:
     """Return the tree of a text that is one Python expression."""
+    if len(text) > LONGEST:
+        raise GridgenError(f"the {kind} {quoted(text)} is too long: it may have {LONGEST} characters; shorten it")
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
         detail = error.msg if isinstance(error, SyntaxError) else str(error) or "it is nested too deeply"
-        raise GridgenError(f"the {kind} {_short(text)} cannot be read: {detail}. {hint}") from None
+        words = [word for word in _WORD.findall(text) if keyword.iskeyword(word)]
+        if words:
+            detail = f"{words[0]!r} is a word of Python and cannot be a name; write {name_instead_of(words[0])}"
+        raise GridgenError(f"the {kind} {quoted(text)} cannot be read: {detail}. {hint}") from None
 
 
 @dataclass(frozen=True, slots=True)
 class _Reader:
-    """What a text is read with."""
+    """What a text, without spaces round it, is read with."""
 
     text: str
     names: Mapping[str, Any]
     functions: Mapping[str, Callable[..., Any]]
     number: Callable[[str], Any]
+    lines: list[bytes] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Split the text into lines once: the places of nodes are given in bytes of a line."""
+        object.__setattr__(self, "lines", _LINE_END.split(self.text.encode()))
 
     def read(self, node: ast.AST, depth: int) -> tuple[Any, float]:
         """Return the value of a node, and the product of the nested exponents in it."""
         if depth > DEEPEST:
             raise GridgenError(
-                f"the formula {_short(self.text)} nests more than {DEEPEST} operations (a sum of n terms nests n): "
+                f"the formula {quoted(self.text)} nests more than {DEEPEST} operations (a sum of n terms nests n): "
                 "shorten it"
             )
         value, degree = self._operation(node, depth + 1)
         if _size(value) > LARGEST:
             raise GridgenError(
-                f"the formula {_short(self.text)} contains {_short(self._source(node))}, a number larger than "
+                f"the formula {quoted(self.text)} contains {quoted(self._source(node))}, a number larger than "
                 f"{LARGEST:g}: scale the formula"
             )
         return value, degree
@@ -121,8 +171,8 @@ class _Reader:
             case ast.BinOp(op=ast.BitXor()):
                 source = self._source(node)
                 raise GridgenError(
-                    f"the formula {_short(self.text)} uses '^' in {_short(source)}, which is not a power in Python: "
-                    f"write {_short(source.replace('^', '**'))}"
+                    f"the formula {quoted(self.text)} uses '^' in {quoted(source)}, which is not a power in Python: "
+                    f"write {quoted(source.replace('^', '**'))}"
                 )
             case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
                 (one, first), (other, second) = self.read(left, depth), self.read(right, depth)
@@ -131,7 +181,7 @@ class _Reader:
                     degree = first * _size(other)
                     if not max(degree, _size(other)) <= LARGEST_EXPONENT:
                         raise GridgenError(
-                            f"the formula {_short(self.text)} contains {_short(self._source(node))}: exponents, and "
+                            f"the formula {quoted(self.text)} contains {quoted(self._source(node))}: exponents, and "
                             f"products of nested ones, may be at most {LARGEST_EXPONENT} in size; lower the power"
                         )
                 return _BINARY[type(op)](one, other), degree
@@ -143,13 +193,13 @@ class _Reader:
                     raise _unknown(name, "function", self.functions, self.text)
                 if name in FUNCTION_NAMES and len(args) != 1:
                     raise GridgenError(
-                        f"the formula {_short(self.text)} contains {_short(self._source(node))}: {name} takes exactly "
+                        f"the formula {quoted(self.text)} contains {quoted(self._source(node))}: {name} takes exactly "
                         f"one argument, and {len(args)} came; write {name}(...) with one"
                     )
                 read = [self.read(argument, depth) for argument in args]
                 return self.functions[name](*(value for value, _ in read)), max((n for _, n in read), default=1)
         raise GridgenError(
-            f"the formula {_short(self.text)} contains {_short(self._source(node))}, which is not arithmetic: "
+            f"the formula {quoted(self.text)} contains {quoted(self._source(node))}, which is not arithmetic: "
             "use only numbers, names, + - * / ** and the functions " + ", ".join(sorted(self.functions))
         )
 
@@ -158,13 +208,19 @@ class _Reader:
         vanished = value == 0 and any(digit in "123456789" for digit in source.lower().partition("e")[0])
         if vanished or abs(value) > LARGEST:
             raise GridgenError(
-                f"the formula {_short(self.text)} contains the number {_short(source)}: numbers must be between "
+                f"the formula {quoted(self.text)} contains the number {quoted(source)}: numbers must be between "
                 f"{1 / LARGEST:g} and {LARGEST:g} in size, or 0; scale the formula"
             )
         return self.number(str(value) if isinstance(value, int) else source.replace("_", ""))
 
     def _source(self, node: ast.AST) -> str:
-        return ast.get_source_segment(self.text.strip(), node) or self.text
+        """Return the text of a node; `ast.get_source_segment` would split the whole text for each."""
+        assert isinstance(node, ast.expr)
+        first, last = node.lineno - 1, (node.end_lineno or node.lineno) - 1
+        lines = self.lines[first : last + 1]
+        lines[-1] = lines[-1][: node.end_col_offset]
+        lines[0] = lines[0][node.col_offset :]
+        return b" ".join(lines).decode()
 
 
 def _is_number(value: Any) -> bool:  # noqa: ANN401
@@ -184,15 +240,10 @@ def _size(value: Any) -> float:  # noqa: ANN401
         return float("nan")
 
 
-def _short(text: str) -> str:
-    """Return the text as it would be typed, cut where it is too long to read."""
-    return repr(text if len(text) <= 200 else f"{text[:200]}...")
-
-
 def _unknown(name: str, kind: str, known: Mapping[str, Any], text: str) -> GridgenError:
     """Return the error for an unknown name, with the closest known one."""
     close = get_close_matches(name, known, n=1)
     hint = f" Did you mean {close[0]!r}?" if close else ""
     return GridgenError(
-        f"unknown {kind} {name!r} in the formula {_short(text)}; known: {', '.join(sorted(known))}.{hint}"
+        f"unknown {kind} {quoted(name)} in the formula {quoted(text)}; known: {', '.join(sorted(known))}.{hint}"
     )

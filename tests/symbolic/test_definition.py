@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import time
 
 import pytest
 import sympy
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.functionals import Functional, define, functional, functionals
-from gridgen_sym.functionals.expression import FUNCTION_NAMES
+from gridgen_sym.functionals.expression import FUNCTION_NAMES, evaluate
 from gridgen_sym.functionals.metric import DENSITY_NAMES, symbolic_metric
 
 
@@ -106,7 +107,11 @@ def test_densities_that_are_no_text_or_beyond_all_bounds(density, message):
         ({"constraints": ("k >>= ",)}, "constraint 'k >>= ' cannot be read"),
         ({"constraints": "k >= 0"}, r"must be a tuple of comparisons, such as \('k >= 0',\); came 'k >= 0'"),
         ({"constraints": (5,)}, "must be a tuple of comparisons"),
-        ({"constraints": ("k",)}, "not one comparison"),
+        ({"constraints": ("k",)}, "not a comparison"),
+        ({"constraints": ("k >= 0 and k < 2",)}, "not a comparison"),
+        ({"constraints": ("0 < k != 2",)}, "not a comparison"),
+        ({"constraints": ("1 < k < 2",)}, "needs 1 < k < 2; came k = 1"),
+        ({"constraints": ("0 < k < 1",)}, "needs 0 < k < 1; came k = 1"),
         ({"constraints": ("1/(k - 1) >= 0",)}, "has no value for k = 1: .*division by zero"),
         ({"constraints": ("(-k)**0.5 >= 0",)}, "has no value for k = 1"),
         ({"constraints": ("q >= 0",)}, "unknown name 'q'"),
@@ -127,7 +132,7 @@ def test_bad_arguments(arguments, message):
 
 @pytest.mark.parametrize("name", ["a" * 300, "a" * 65, "def", "", "a/b", None, 5, []])
 def test_bad_names(name):
-    with pytest.raises(GridgenError, match=r"use lower-case letters|use at most 64"):
+    with pytest.raises(GridgenError, match=r"use lower-case letters|use at most 64|word of Python"):
         define(name, "g11")
 
 
@@ -136,6 +141,89 @@ def test_floats_are_taken_with_all_their_digits():
     m = symbolic_metric()
     assert made.expression() == sympy.Rational("1.4142135623730951") * m.g11 + sympy.sqrt(m.J) / 10
     assert define("exact_text", "1.4142135623730951*g11 + 0.1*J**0.5").expression() == made.expression()
+
+
+@pytest.mark.parametrize(
+    ("word", "instead"), [("lambda", "lambda_ or lam"), ("in", "in_"), ("if", "if_"), ("None", "none_")]
+)
+def test_words_of_python_are_no_names_and_the_message_says_what_to_write(word, instead):
+    message = f"word of Python.* write {instead}"
+    with pytest.raises(GridgenError, match=message):
+        define("with_word", "k*g11", parameters={word: 1})
+    with pytest.raises(GridgenError, match=message):
+        define(word, "g11")
+    if word != "None":  # That one is read, as a constant, and refused as such.
+        with pytest.raises(GridgenError, match=message):
+            define("with_word", f"{word}*g11", parameters={word: 1})
+
+
+@pytest.mark.parametrize(
+    ("density", "order", "term"),
+    [
+        ("(g11 + g22)/J + sqrt((g11 - 100 + abs(g11 - 100))/2)", "first", "sqrt(g11/2 + Abs(g11 - 100)/2 - 50)"),
+        ("(g11 + g22)/J + sqrt(abs(J - 1) + J - 1)", "first", "sqrt(J + Abs(J - 1) - 1)"),
+        ("g22 + (abs(g12 - 1) + g12 - 1)**1.5", "second", "(g12 + Abs(g12 - 1) - 1)**(3/2)"),
+        ("g22 + (abs(g12 - 1) + g12 - 1)**0.25/J", "first", "(g12 + Abs(g12 - 1) - 1)**(1/4)"),
+        ("g22 + sqrt(g11 - x_xi**2 - y_xi**2)", "first", "sqrt(g11 - x_xi**2 - y_xi**2)"),
+    ],
+)
+def test_a_density_without_derivatives_in_a_region_is_refused_with_the_term(density, order, term):
+    """Kernels would be full of nan there, although the density has a value."""
+    with pytest.raises(GridgenError, match=f"no {order} derivative on the valid corner") as error:
+        define("rough", density)
+    assert f"because of the term {term}: " in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "density",
+    [
+        "(g11 + g22)/J + sqrt(g12**2 + (g11 - g22)**2)/J",  # no derivative where cells are square, and there only
+        "abs(J - 1) + abs(J - 1)**3",
+        "((0.05 - J + abs(0.05 - J))/2)**2",
+        "sqrt(g11)*sqrt(g22)/J + J**J + 2**J + J**0.3 + atan(g12)*tanh(J) + log(J)",
+        "exp(g11) + exp(1/J)",  # too large for floats at some corners, which is no kink
+        "sqrt(2)*pi*g11",
+    ],
+)
+def test_kinks_at_single_grids_are_allowed(density, clean_registry):
+    define("kinked", density)
+
+
+def test_a_long_formula_is_read_in_linear_time_or_refused():
+    def balanced(depth):
+        return ".5" if depth == 0 else f"({balanced(depth - 1)}*{balanced(depth - 1)})"
+
+    def processor_time(depth):
+        begin = time.process_time()
+        assert evaluate(balanced(depth), {}, {}) == 0.5 ** (2**depth) or depth > 9
+        return time.process_time() - begin
+
+    short, long = (min(processor_time(depth) for _ in range(3)) for depth in (8, 11))
+    assert long < 30 * short  # 8 times as many characters; the square would be 64 times the time
+    with pytest.raises(GridgenError, match="is too long: it may have 20000 characters"):
+        evaluate(balanced(13), {}, {})
+
+
+@pytest.mark.parametrize(
+    "provoke",
+    [
+        lambda long: evaluate(long, {}, {}),
+        lambda long: evaluate(long[:1000] + "(2)", {}, {}),
+        lambda long: evaluate("'" + long[:1000] + "'", {}, {}),
+        lambda long: define(long, "g11"),
+        lambda long: define("long", "k*g11", parameters={long: 1}),
+        lambda long: define("long", "k*g11", parameters={"k": long}),
+        lambda long: define("long", "g11", constraints=long),
+        lambda long: define("long", "k*g11", parameters={"k": 1}, constraints=(long,)),
+        lambda long: define("long", "g11", description=[long]),
+        lambda long: functional(long),
+        lambda long: functional("combined").values({long: 1}),
+    ],
+)
+def test_messages_are_short_however_long_the_input(provoke):
+    with pytest.raises(GridgenError) as error:
+        provoke("x" * 100_000)
+    assert len(str(error.value)) < 1000
 
 
 def is_hashable(value):
