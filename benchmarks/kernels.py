@@ -13,7 +13,8 @@ from limits import Handwritten, Limits, measure_limits
 from measure import COLORS, MARKERS, Table, fastest, start_grid, threads
 
 import gridgen_sym as gg
-from gridgen_sym.runtime import Array, KernelSet, kernels
+from gridgen_sym.arrays import Array
+from gridgen_sym.runtime import KernelSet, kernels
 from gridgen_sym.runtime.sources import find_sources
 
 Rates = dict[tuple[str, str, int], float]

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from measure import FOLDER, fastest
 
-from gridgen_sym.runtime import Array, compile_library
+from gridgen_sym.arrays import Array
+from gridgen_sym.runtime import compile_library
 
 _ELEMENTS, _ROUNDS = 16_000_000, 2_000_000
 _BYTES = 32

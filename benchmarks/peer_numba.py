@@ -11,7 +11,7 @@ from peer_clock import Clock
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import splu
 
-from gridgen_sym.runtime import Array
+from gridgen_sym.arrays import Array
 
 #: Corners of a cell: offsets of the corner, of its neighbor along i and of that along j, and the sign of J.
 CORNERS = ((0, 0, 1, 0, 0, 1, 1.0), (1, 0, 0, 0, 1, 1, -1.0), (0, 1, 1, 1, 0, 0, -1.0), (1, 1, 0, 1, 1, 0, 1.0))

@@ -8,7 +8,8 @@ import numpy as np
 from peer_clock import Clock
 
 import gridgen_sym as gg
-from gridgen_sym.runtime import Array, kernels
+from gridgen_sym.arrays import Array
+from gridgen_sym.runtime import kernels
 
 
 class _ReachedError(Exception):

@@ -14,10 +14,10 @@ import numpy as np
 import gridgen_sym as gg
 from gridgen_sym.grids import corner_jacobians
 from gridgen_sym.runtime import kernels
-from gridgen_sym.solvers.linear import hessian_solver
-from gridgen_sym.solvers.newton import minimize
+from gridgen_sym.solvers.linear.systems import hessian_solver
+from gridgen_sym.solvers.newton.minimize import minimize
 from gridgen_sym.solvers.problem import Problem, make_problem
-from gridgen_sym.solvers.progress import Progress
+from gridgen_sym.solvers.run.progress import Progress
 
 _STEPS, _PATIENCE, _SMALLEST_RATE = 10, 8, 0.1
 

@@ -21,7 +21,7 @@ from plain_untangle import plain_untangle
 from validity_text import HEAD, LIST_TEXT, SPEED_TEXT
 
 import gridgen_sym as gg
-from gridgen_sym.grids import certificates
+from gridgen_sym.certificates import certificates
 
 _SHARED = Path(os.environ.get("GRIDGEN_SYM_SHARED") or FOLDER.parent.parent / "shared") / "domains"
 #: Cells a side; the horseshoes' R; seconds after which the relaxation and the plain method are stopped.

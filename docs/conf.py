@@ -1,12 +1,16 @@
 """Settings of the site: those of every page, and what the site alone has."""
 
 import os
+import sys
 from pathlib import Path
 
 # Before NumPy is loaded: for small systems, as in the gallery, the threads of BLAS wait longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from gridgen_sym.documentation.gallery import gallery_settings
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+from derived_pages.gallery import gallery_settings
+
 from gridgen_sym.documentation.settings import settings
 
 globals().update(settings())
@@ -14,7 +18,7 @@ extensions += [  # noqa: F821 - of the settings
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
-    "gridgen_sym.documentation.site",
+    "derived_pages.site",
 ]
 exclude_patterns = ["_build", "gallery/*.ipynb", "gallery/*.py", "gallery/*.py.md5", "gallery/*.zip"]
 sphinx_gallery_conf = gallery_settings(Path(__file__).parent)

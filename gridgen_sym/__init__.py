@@ -7,6 +7,8 @@ or solved from it:
     one formula    exact       kernels    committed     compiled   grids
                    derivatives as data    source        or NumPy
 
+Public names are loaded when they are first used (PEP 562), so that the import is quick.
+
 Example:
     >>> import gridgen_sym as gg
     >>> result = gg.optimize(gg.domain("swan", 41, 41), "winslow")
@@ -14,49 +16,88 @@ Example:
     (True, 0)
 """
 
-__version__ = "0.1.0"
+from __future__ import annotations
 
-from .adaptation import AdaptResult as AdaptResult
-from .adaptation import AdaptStep as AdaptStep
-from .adaptation import Equidistribution as Equidistribution
-from .adaptation import Monitor as Monitor
-from .adaptation import adapt as adapt
-from .adaptation import equidistribution as equidistribution
-from .adaptation import hierarchical_error as hierarchical_error
-from .adaptation import interpolation_error as interpolation_error
-from .adaptation import recover_gradient as recover_gradient
-from .adaptation import recover_hessian as recover_hessian
-from .adaptation import recovery_error as recovery_error
-from .adaptation import richardson_error as richardson_error
-from .adaptation import transfer as transfer
+from typing import TYPE_CHECKING, Any
+
+# Two functions have the names of their packages: loaded first, they stand here and not the packages.
+from .certificates import Certificate as Certificate
+from .certificates import certificates as certificates
+from .certificates import sliver_certificate as sliver_certificate
 from .errors import GridgenError as GridgenError
 from .functionals import Functional as Functional
 from .functionals import define as define
 from .functionals import functional as functional
 from .functionals import functionals as functionals
-from .grids import Certificate as Certificate
-from .grids import Grid as Grid
-from .grids import Outline as Outline
-from .grids import Quality as Quality
-from .grids import certificates as certificates
-from .grids import domain as domain
-from .grids import domain_names as domain_names
-from .grids import plot_certificates as plot_certificates
-from .grids import plot_grid as plot_grid
-from .grids import plot_grids as plot_grids
-from .grids import quality as quality
-from .grids import read as read
-from .grids import sliver_certificate as sliver_certificate
-from .grids import transfinite as transfinite
-from .grids import write as write
-from .solvers import Result as Result
-from .solvers import Step as Step
-from .solvers import Weight as Weight
-from .solvers import energy as energy
-from .solvers import gradient as gradient
-from .solvers import hessian as hessian
-from .solvers import optimize as optimize
-from .solvers import raster_field as raster_field
-from .solvers import scattered_field as scattered_field
-from .solvers import solve_euler_lagrange as solve_euler_lagrange
-from .solvers import untangle as untangle
+from .io import read as read
+from .io import write as write
+from .version import __version__ as __version__
+
+if TYPE_CHECKING:
+    from .adaptation import AdaptResult as AdaptResult
+    from .adaptation import AdaptStep as AdaptStep
+    from .adaptation import Equidistribution as Equidistribution
+    from .adaptation import Monitor as Monitor
+    from .adaptation import adapt as adapt
+    from .adaptation import equidistribution as equidistribution
+    from .adaptation import hierarchical_error as hierarchical_error
+    from .adaptation import interpolation_error as interpolation_error
+    from .adaptation import recover_gradient as recover_gradient
+    from .adaptation import recover_hessian as recover_hessian
+    from .adaptation import recovery_error as recovery_error
+    from .adaptation import richardson_error as richardson_error
+    from .adaptation import transfer as transfer
+    from .boundary import Outline as Outline
+    from .boundary import domain as domain
+    from .boundary import domain_names as domain_names
+    from .fields import Weight as Weight
+    from .fields import raster_field as raster_field
+    from .fields import scattered_field as scattered_field
+    from .grids import Grid as Grid
+    from .grids import Quality as Quality
+    from .grids import quality as quality
+    from .grids import transfinite as transfinite
+    from .plotting import plot_certificates as plot_certificates
+    from .plotting import plot_grid as plot_grid
+    from .plotting import plot_grids as plot_grids
+    from .solvers import Result as Result
+    from .solvers import Step as Step
+    from .solvers import energy as energy
+    from .solvers import gradient as gradient
+    from .solvers import hessian as hessian
+    from .solvers import optimize as optimize
+    from .solvers import solve_euler_lagrange as solve_euler_lagrange
+    from .solvers import untangle as untangle
+
+#: The packages of the public names that are loaded when they are used.
+_PACKAGES = {
+    "adaptation": (
+        "AdaptResult AdaptStep Equidistribution Monitor adapt equidistribution hierarchical_error "
+        "interpolation_error recover_gradient recover_hessian recovery_error richardson_error transfer"
+    ),
+    "boundary": "Outline domain domain_names",
+    "fields": "Weight raster_field scattered_field",
+    "grids": "Grid Quality quality transfinite",
+    "plotting": "plot_certificates plot_grid plot_grids",
+    "solvers": "Result Step energy gradient hessian optimize solve_euler_lagrange untangle",
+}
+_HOMES = {name: package for package, names in _PACKAGES.items() for name in names.split()}
+
+_LOADED = "Certificate Functional GridgenError certificates define functional functionals read sliver_certificate write"
+
+__all__ = ["__version__", *_LOADED.split(), *_HOMES]
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401
+    """Load a public name from its package."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    value = globals()[name] = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    """Return all public names, loaded or not."""
+    return sorted({*globals(), *__all__})

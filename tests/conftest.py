@@ -15,7 +15,10 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     # Tests that run side by side share the processors: two threads each would wait for each other.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from gridgen_sym.functionals import definition
+from support_solvers import BACKENDS
+
+from gridgen_sym.functionals import registry
+from gridgen_sym.runtime import find_compiler
 
 # Property-based tests draw the same examples on every machine, and none fails because a machine is busy.
 settings.register_profile("steady", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
@@ -31,7 +34,7 @@ def not_quiet(monkeypatch):
 @pytest.fixture(autouse=True)
 def clean_registry(monkeypatch):
     """Forget the functionals that a test defines."""
-    monkeypatch.setattr(definition, "_registry", dict(definition._registry))
+    monkeypatch.setattr(registry, "_registry", dict(registry._registry))
 
 
 @pytest.fixture
@@ -51,3 +54,11 @@ def live_line(monkeypatch):
 
     monkeypatch.setattr("rich.console.Console.status", lambda console, text: Status())
     return shown
+
+
+@pytest.fixture(params=BACKENDS)
+def backend(request: pytest.FixtureRequest) -> str:
+    """Each backend in turn; the compiled one where there is a compiler."""
+    if request.param == "c" and find_compiler() is None:
+        pytest.skip("needs a C compiler")
+    return str(request.param)

@@ -1,4 +1,4 @@
-"""The arrows of the house: who may import whom, and what must not be loaded by `import gridgen_sym`."""
+"""The arrows of the house: who may import whom, no import circle, and what `import gridgen_sym` must not load."""
 
 from __future__ import annotations
 
@@ -14,16 +14,23 @@ import gridgen_sym
 PACKAGE = Path(gridgen_sym.__file__).parent
 FILES = sorted(PACKAGE.rglob("*.py"))
 LONGEST_FILE = 500
-#: Data flows from left to right.
-PIPELINE = ("functionals", "symbolic", "codegen", "runtime", "solvers", "adaptation")
-#: Grids stand on the ground: they import no other package, and of the pipeline only what moves nodes imports them.
-GROUND = "grids"
-MOVES_NODES = {"solvers", "adaptation"}
-#: What stands on top of everything, and is imported by nothing of it.
-TOP = {"cli", "documentation", "paper_examples", "selfcheck"}
-EVERY_PACKAGE = {*PIPELINE, GROUND, *TOP}
+#: A package imports only what stands before it, but for the packages on the ground, which import only each other.
+ORDER = (
+    *("functionals", "symbolic", "codegen", "runtime"),
+    *("grids", "boundary", "certificates", "io", "fields", "plotting"),
+    *("solvers", "adaptation", "selfcheck", "paper_examples", "documentation", "cli"),
+)
+#: They know nothing of functionals and kernels.
+GROUND = {"grids", "boundary", "certificates", "io", "plotting"}
+#: The order within a package that has packages of its own.
+INNER_ORDER = {
+    "symbolic": ("derive", "classify", "report", "paper"),
+    "solvers": ("run", "linear", "newton", "untangling", "multilevel", "equations"),
+}
 #: Modules beside the packages that any package may use, and that use no package themselves.
-SHARED = {"errors", "messages", "resources", "atomic", "__version__"}
+SHARED = {"arrays", "atomic", "errors", "messages", "resources", "version"}
+#: The public face and the way into the command line: nothing imports them, and they may import everything.
+FACE = {"__init__", "__main__"}
 #: What must not be loaded until it is needed.
 HEAVY = ("sympy", "jinja2", "matplotlib")
 
@@ -61,64 +68,135 @@ def imported_modules(tree, path):
             yield name, id(node) not in late
 
 
-def imported_packages(tree, path):
-    """Return the packages and shared modules of ours that a file imports, at any place in it."""
-    names = (name.split(".") for name, _ in imported_modules(tree, path))
-    return {parts[1] for parts in names if parts[0] == "gridgen_sym" and len(parts) > 1}
+def imported_parts(tree, path):
+    """Yield the names below `gridgen_sym` that a file imports, at any place in it, split at the dots."""
+    for name, _ in imported_modules(tree, path):
+        parts = name.split(".")
+        if parts[0] == "gridgen_sym" and len(parts) > 1:
+            yield parts[1:]
 
 
 def objections(tree, path):
-    """Return the packages that a file must not import and does."""
+    """Return the packages, shared modules and names of the top that a file must not import and does."""
     package = package_of(path)
-    if package == GROUND:
-        allowed = {GROUND}
-    elif package in PIPELINE:
-        allowed = set(PIPELINE[: PIPELINE.index(package) + 1]) | ({GROUND} if package in MOVES_NODES else set())
+    if package is None:
+        allowed = {*ORDER, *SHARED} if path.stem in FACE else SHARED
+    elif package in GROUND:
+        allowed = (GROUND & {*ORDER[: ORDER.index(package) + 1]}) | SHARED
     else:
-        # The files beside the packages are the public face and the way into the command line.
-        allowed = EVERY_PACKAGE
-    return sorted(imported_packages(tree, path) & (EVERY_PACKAGE - allowed))
+        allowed = {*ORDER[: ORDER.index(package) + 1]} | SHARED
+    return sorted({parts[0] for parts in imported_parts(tree, path)} - allowed)
+
+
+def inner_objections(tree, path):
+    """Return the inner packages that stand after a file's own, and that it imports."""
+    parts = path.relative_to(PACKAGE).parts
+    order = INNER_ORDER.get(parts[0], ())
+    if len(parts) < 3 or parts[1] not in order:
+        return []
+    later = order[order.index(parts[1]) + 1 :]
+    return sorted({name[1] for name in imported_parts(tree, path) if name[0] == parts[0] and name[1] in later})
 
 
 def parse(path):
     return ast.parse(path.read_text(encoding="utf-8"), str(path))
 
 
+TREES = {path: parse(path) for path in FILES}
+
+
 def test_every_package_has_its_place():
-    assert {path.parent.name for path in PACKAGE.glob("*/__init__.py")} == EVERY_PACKAGE
+    assert {path.parent.name for path in PACKAGE.glob("*/__init__.py")} == {*ORDER}
+    assert {path.stem for path in PACKAGE.glob("*.py")} == SHARED | FACE
+    for package, inner in INNER_ORDER.items():
+        assert {path.parent.name for path in (PACKAGE / package).glob("*/__init__.py")} == {*inner}
 
 
 @pytest.mark.parametrize("path", FILES, ids=file_name)
 def test_packages_import_only_what_stands_to_their_left(path):
-    assert not objections(parse(path), path)
-
-
-@pytest.mark.parametrize("name", sorted(SHARED - {"__version__"}))
-def test_shared_modules_import_no_package(name):
-    path = PACKAGE / f"{name}.py"
-    assert imported_packages(parse(path), path) <= SHARED
+    assert not objections(TREES[path], path)
+    assert not inner_objections(TREES[path], path)
 
 
 @pytest.mark.parametrize(
     ("place", "text", "expected"),
     [
         ("symbolic/x.py", "from ..codegen import kernel", ["codegen"]),
-        ("functionals/x.py", "def f():\n    from ..symbolic.discrete import J", ["symbolic"]),
+        ("functionals/x.py", "def f():\n    from ..symbolic.derive.discrete import J", ["symbolic"]),
         ("grids/x.py", "import gridgen_sym.runtime", ["runtime"]),
+        ("grids/x.py", "from ..boundary import Outline", ["boundary"]),
+        ("boundary/x.py", "from ..functionals import functional", ["functionals"]),
         ("runtime/x.py", "from gridgen_sym import solvers", ["solvers"]),
         ("runtime/x.py", "from .. import grids", ["grids"]),
         ("solvers/x.py", "def f():\n    from ..cli import main", ["cli"]),
         ("solvers/x.py", "from ..adaptation import adapt", ["adaptation"]),
+        ("documentation/x.py", "from ..cli import main", ["cli"]),
+        ("codegen/x.py", "from .. import __version__", ["__version__"]),
+        ("cli/x.py", "from gridgen_sym import define", ["define"]),
+        ("errors.py", "from .grids import Grid", ["grids"]),
         ("adaptation/x.py", "from ..solvers import optimize\nfrom ..grids import Grid", []),
         ("runtime/x.py", "def f():\n    from ..codegen.programs import kernel", []),
-        ("solvers/x.py", "from ..grids.grid import Grid\nfrom .result import Result", []),
+        ("solvers/x.py", "from ..grids.grid import Grid\nfrom .run.result import Result", []),
     ],
 )
 def test_a_wrong_import_is_objected_to(place, text, expected):
     assert objections(ast.parse(text), PACKAGE / place) == expected
 
 
-LIGHT = [path for path in FILES if package_of(path) in (None, "runtime", *MOVES_NODES, GROUND)]
+@pytest.mark.parametrize(
+    ("place", "text", "expected"),
+    [
+        ("solvers/run/x.py", "from ..untangling.untangle import unfold", ["untangling"]),
+        ("symbolic/derive/x.py", "def f():\n    from ..classify import classify", ["classify"]),
+        ("symbolic/paper/x.py", "from ..classify import classify", []),
+        ("solvers/optimize.py", "from .untangling.untangle import unfold", []),
+    ],
+)
+def test_a_wrong_import_within_a_package_is_objected_to(place, text, expected):
+    assert inner_objections(ast.parse(text), PACKAGE / place) == expected
+
+
+def module_of(path):
+    parts = ("gridgen_sym", *path.relative_to(PACKAGE).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports_between(trees):
+    """Return for each module those of ours that it imports at any place, for types too."""
+    modules = {module_of(path): path for path in trees}
+    found = {}
+    for name, path in modules.items():
+        wanted = {full for full, _ in imported_modules(trees[path], path)}
+        wanted = {full if full in modules else full.rpartition(".")[0] for full in wanted}
+        found[name] = sorted((wanted & {*modules}) - {name})
+    return found
+
+
+def circles(imports):
+    """Return the files that are left when those that import no file that is left are taken away, again and again."""
+    left = dict(imports)
+    while ends := [name for name, wanted in left.items() if not {*wanted} & {*left}]:
+        for name in ends:
+            del left[name]
+    return left
+
+
+def test_there_is_no_import_circle():
+    assert not circles(imports_between(TREES))
+
+
+def test_a_circle_is_found():
+    assert circles({"a": ["b"], "b": ["c"], "c": ["a"], "d": ["a"], "e": []}).keys() == {"a", "b", "c", "d"}
+    assert not circles({"a": ["b", "c"], "b": ["c"], "c": []})
+
+
+def test_the_site_imports_nothing_but_the_package_and_is_imported_by_nothing_of_it():
+    assert not [path for path, tree in TREES.items() if "derived_pages" in ast.dump(tree)]
+
+
+LIGHT = [
+    path for path in FILES if package_of(path) in (None, "runtime", "fields", "solvers", "adaptation", *sorted(GROUND))
+]
 
 
 @pytest.mark.parametrize("path", LIGHT, ids=file_name)
@@ -143,7 +221,7 @@ def test_import_loads_nothing_heavy():
     assert not loaded & {*HEAVY, "scipy.sparse", "scipy.spatial", "scipy.interpolate"}
 
 
-@pytest.mark.parametrize("package", ["runtime", "grids", "solvers", "adaptation", "functionals"])
+@pytest.mark.parametrize("package", ["runtime", "fields", "solvers", "adaptation", "functionals", *sorted(GROUND)])
 def test_packages_that_solve_load_nothing_heavy(package):
     assert not modules_loaded_by(f"import gridgen_sym.{package}") & {*HEAVY}
 

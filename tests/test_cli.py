@@ -191,7 +191,7 @@ def test_an_interrupt_exits_with_130(monkeypatch):
 
 
 def test_an_interrupted_solver_writes_its_best_grid_and_exits_with_130(monkeypatch):
-    from gridgen_sym.solvers.progress import Progress
+    from gridgen_sym.solvers.run.progress import Progress
 
     def interrupted(self, *_):
         raise KeyboardInterrupt

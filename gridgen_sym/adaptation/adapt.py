@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array
 from ..errors import GridgenError
+from ..fields.sampled import SampledField, grid_field
 from ..functionals.definition import Functional
-from ..functionals.definition import functional as find_functional
+from ..functionals.registry import functional as find_functional
 from ..grids import Grid, quality
-from ..runtime import Array
 from ..solvers import untangle
-from ..solvers.checks import fixed_mask
-from ..solvers.deadline import Deadline, Stop, StopRequest
-from ..solvers.sampled import SampledField, grid_field
+from ..solvers.run.checks import fixed_mask
+from ..solvers.run.deadline import Deadline, Stop, StopRequest
 from .checks import check_arguments
 from .equidistribution import cell_areas, cell_means, equidistribution, variation
 from .error_estimate import hierarchical_error

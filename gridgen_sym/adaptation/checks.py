@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import GridgenError
 from ..grids import Grid
 from ..grids.grid import check_grid
-from ..solvers.checks import check_size, check_time_limit
+from ..solvers.run.checks import check_size, check_time_limit
 from .progress import Callback
 from .sides import Boundary
 

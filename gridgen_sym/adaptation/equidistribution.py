@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array
 from ..errors import GridgenError
+from ..fields import Weight
 from ..grids import Grid, corner_jacobians
-from ..runtime import Array
-from ..solvers import Weight
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array
 from ..errors import GridgenError
 from ..grids import Grid
-from ..runtime import Array
 from .equidistribution import cell_areas, cell_means
 from .recovery import from_inside, nodal_values, recover_gradient
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array
 from ..errors import GridgenError
+from ..fields.weight_formula import compiled_formula, is_expression
 from ..grids import Grid, quality
 from ..grids.grid import check_grid
-from ..runtime import Array
-from ..solvers.weight_formula import compiled_formula, is_expression
 from .recovery import nodal_values
 
 #: Gauss points along both directions of a cell: enough for a front that is thinner than the cell to be seen.

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import GridgenError
+from ..fields.weight import LARGEST
 from ..grids import Grid
-from ..runtime import Array
-from ..solvers.weight import LARGEST
 from .equidistribution import cell_areas, cell_means
 
 #: The power of the density that the weight is, and the degree in J of what it multiplies.

@@ -28,10 +28,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array
 from ..errors import GridgenError
+from ..fields.sampled import nodal
 from ..grids import Grid
-from ..runtime import Array
-from ..solvers.sampled import nodal
 from .equidistribution import cell_areas, cell_means
 from .error_estimate import hierarchical_error, recovery_error
 from .recovery import nodal_values, recover_gradient, recover_hessian

@@ -14,12 +14,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..arrays import Array, Mask
+from ..fields import Weight
+from ..fields.sampled import grid_field, nodal
 from ..functionals.definition import Functional
 from ..grids import Grid
-from ..runtime import Array, Mask
-from ..solvers import Weight, optimize
-from ..solvers.deadline import Deadline
-from ..solvers.sampled import grid_field, nodal
+from ..solvers import optimize
+from ..solvers.run.deadline import Deadline
 from .equidistribution import cell_areas
 from .law import weight_values
 from .sides import Side, slide

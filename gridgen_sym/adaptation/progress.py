@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..solvers.deadline import StopRequest
-from ..solvers.live import LiveLine
+from ..solvers.run.deadline import StopRequest
+from ..solvers.run.live import LiveLine
 from .result import AdaptStep
 
 Callback = Callable[[AdaptStep], None]

@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array, real_array
 from ..errors import GridgenError
 from ..grids import Grid, quality
-from ..grids.grid import check_grid, real_array
-from ..runtime import Array
+from ..grids.grid import check_grid
 
 
 def recover_gradient(grid: Grid, values: npt.ArrayLike) -> Array:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..arrays import Array
 from ..grids import Grid, Quality, quality
-from ..runtime import Array
-from ..solvers.deadline import Stop
+from ..solvers.run.deadline import Stop
 from .equidistribution import Equidistribution
 
 

@@ -13,9 +13,9 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array, Mask
 from ..grids import Grid, quality
-from ..runtime import Array, Mask
-from ..solvers.prolongation import from_boundary
+from ..solvers.multilevel.prolongation import from_boundary
 
 Boundary = Literal["fixed", "straight", "all"]
 

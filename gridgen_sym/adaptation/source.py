@@ -10,10 +10,10 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array
 from ..errors import GridgenError
+from ..fields.weight_formula import Compiled, compiled_formula, is_expression
 from ..grids import Grid
-from ..runtime import Array
-from ..solvers.weight_formula import Compiled, compiled_formula, is_expression
 from .recovery import nodal_values
 from .transfer import transfer
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array, real_array
+from ..fields.sampled import grid_field
 from ..grids import Grid
-from ..grids.grid import real_array
-from ..runtime import Array
-from ..solvers.sampled import grid_field
 from .recovery import nodal_values
 
 

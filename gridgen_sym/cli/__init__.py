@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import click
 
-from gridgen_sym import __version__
-
+from ..version import __version__
 from .adaptation import adapt
 from .base import Program, functionals_option
 from .formulas import check, derive, docs, functionals, generate, verify

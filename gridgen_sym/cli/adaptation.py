@@ -14,7 +14,7 @@ from .grids import certify_and_draw, check_outputs, count_of, folds_of, say
 from .start import assignments, start_grid, start_options
 
 if TYPE_CHECKING:
-    from gridgen_sym.adaptation import AdaptResult
+    from ..adaptation import AdaptResult
 
 _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchical_error", "values")
 
@@ -64,8 +64,8 @@ def adapt(
     FIELD is a formula such as 'tanh(50*(x + y - 1))'; a .npz file with arrays x, y and values (nx, ny), or with values
     (ni, nj) at the nodes of INPUT; or a .csv file with the header x,y,value. No cell folds on the way.
     """
-    from gridgen_sym.adaptation import Monitor
-    from gridgen_sym.adaptation import adapt as run
+    from ..adaptation import Monitor
+    from ..adaptation import adapt as run
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"

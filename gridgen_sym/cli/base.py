@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import click
 
-from gridgen_sym.errors import GridgenError
+from ..errors import GridgenError
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 _LOADED = "gridgen_sym.functionals"
@@ -91,7 +91,7 @@ def run_functionals_file(file: str) -> None:
     """
     import runpy
 
-    from gridgen_sym.functionals import functionals
+    from ..functionals import functionals
 
     if not Path(file).is_file():
         raise GridgenError(f"cannot read {file}: there is no such file; --functionals takes a Python file")

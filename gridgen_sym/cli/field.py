@@ -7,11 +7,11 @@ import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gridgen_sym.atomic import read_bytes
-from gridgen_sym.errors import GridgenError
+from ..atomic import read_bytes
+from ..errors import GridgenError
 
 if TYPE_CHECKING:
-    from gridgen_sym.adaptation.source import Solution
+    from ..adaptation.source import Solution
 
 _FORMS = (
     "Expected: a .npz file has arrays x (nx,), y (ny,) and values (nx, ny), or values (ni, nj) at the nodes of the "
@@ -44,7 +44,7 @@ def field_of(text: str, *, smooth: bool) -> Solution:
 def _arrays(data: io.BytesIO, smooth: bool) -> Solution:
     import numpy as np
 
-    from gridgen_sym.solvers import raster_field
+    from ..fields import raster_field
 
     with np.load(data) as file:
         arrays = {name: file[name] for name in file.files}
@@ -60,7 +60,7 @@ def _arrays(data: io.BytesIO, smooth: bool) -> Solution:
 def _samples(data: io.BytesIO, smooth: bool) -> Solution:
     import numpy as np
 
-    from gridgen_sym.solvers import scattered_field
+    from ..fields import scattered_field
 
     header, _, rows = data.getvalue().decode("utf-8-sig", errors="replace").partition("\n")
     if header.strip().lower().replace(" ", "") != "x,y,value":

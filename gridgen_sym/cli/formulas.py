@@ -12,8 +12,8 @@ import click
 from .base import functionals_option
 
 if TYPE_CHECKING:
-    from gridgen_sym.functionals import Functional
-    from gridgen_sym.symbolic import Verdict
+    from ..functionals import Functional
+    from ..symbolic import Verdict
 
 
 @click.command()
@@ -24,8 +24,8 @@ def functionals() -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from gridgen_sym.functionals import functional
-    from gridgen_sym.functionals import functionals as names
+    from ..functionals import functional
+    from ..functionals import functionals as names
 
     head = ("name", "density", "equations", "barrier", "parameters", "what it asks for")
     table = Table(*head, box=box.SIMPLE_HEAD, pad_edge=False)
@@ -38,7 +38,7 @@ def functionals() -> None:
 
 def _row(definition: Functional) -> tuple[str, ...]:
     """Return what the list says of one functional."""
-    from gridgen_sym.symbolic import classify
+    from ..symbolic import classify
 
     kind = classify(definition)
     parameters = ", ".join(f"{name}={value:g}" for name, value in definition.parameters.items())
@@ -58,10 +58,10 @@ def _row(definition: Functional) -> tuple[str, ...]:
 @functionals_option
 def derive(name: str, latex: bool) -> None:
     """Print every equation derived from the functional NAME."""
-    from gridgen_sym.functionals import functional
+    from ..functionals import functional
 
     definition = functional(name)
-    from gridgen_sym.symbolic import derive_latex, derive_text
+    from ..symbolic import derive_latex, derive_text
 
     click.echo((derive_latex if latex else derive_text)(definition), nl=False)
 
@@ -74,10 +74,10 @@ def derive(name: str, latex: bool) -> None:
 @functionals_option
 def docs(name: str, folder: str) -> None:
     """Write a page about the functional NAME: equations, classification, kernels, pictures (HTML)."""
-    from gridgen_sym.functionals import functional
+    from ..functionals import functional
 
     definition = functional(name)
-    from gridgen_sym.documentation.standalone import write_html
+    from ..documentation.standalone import write_html
 
     click.echo(f"wrote {write_html(definition, Path(folder))}")
 
@@ -87,10 +87,10 @@ def docs(name: str, folder: str) -> None:
 @functionals_option
 def check(name: str) -> None:
     """Check derivatives, equations and kernels of the functional NAME (weight 1) against independent computations."""
-    from gridgen_sym.functionals import functional
+    from ..functionals import functional
 
     definition = functional(name)
-    from gridgen_sym.selfcheck import checks
+    from ..selfcheck import checks
 
     failed = 0
     for line in checks(definition):
@@ -105,7 +105,7 @@ def check(name: str) -> None:
 @click.command()
 def verify() -> None:
     """Compare every printed equation of the paper with what is derived."""
-    from gridgen_sym.symbolic import verify as verdicts
+    from ..symbolic import verify as verdicts
 
     told = verdicts()
     for verdict in told:
@@ -142,7 +142,7 @@ def _color(verdict: Verdict) -> str:
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; print a diff, and exit 1 if there is one.")
 def generate(only_check: bool) -> None:
     """Write the folder `generated/`: kernels in C and NumPy, and the derived equations."""
-    from gridgen_sym.codegen.generate import check_generated, write_generated
+    from ..codegen.generate import check_generated, write_generated
 
     if only_check:
         difference = check_generated()

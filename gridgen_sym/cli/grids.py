@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gridgen_sym.errors import GridgenError, MissingExtraError
-
+from ..errors import GridgenError, MissingExtraError
 from .base import functionals_option
 from .start import assignments, start_grid, start_options
 
 if TYPE_CHECKING:
-    from gridgen_sym.grids import Grid
-    from gridgen_sym.solvers import Result, Weight
+    from ..fields import Weight
+    from ..grids import Grid
+    from ..solvers import Result
 
 _PICTURES = (".png", ".svg", ".pdf")
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
@@ -59,7 +59,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     with an outline (points x,y and '# corners: ...'), or a grid file, which is the start. Exits with 1 if the result
     has folded cells, and after Ctrl-C, which writes the best grid so far, with 130.
     """
-    from gridgen_sym.functionals import functional
+    from ..functionals import functional
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
@@ -83,7 +83,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
 
 def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **options: Any) -> Any:  # noqa: ANN401
     """Return the solver as a function of the start; what was not given is left to its own defaults."""
-    from gridgen_sym.solvers import optimize, solve_euler_lagrange
+    from ..solvers import optimize, solve_euler_lagrange
 
     given = {key: options[key] for key in ("tolerance", "max_iterations", "time_limit", "keep_valid", "backend")}
     given = {key: value for key, value in given.items() if value is not None}
@@ -101,7 +101,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
 
 
 def _weight(formula: str | None, mode: str | None, allow_negative: bool) -> Weight | None:
-    from gridgen_sym.solvers import Weight
+    from ..fields import Weight
 
     if formula is None:
         if mode or allow_negative:
@@ -114,7 +114,7 @@ def check_outputs(output: str | None, plot: str | None) -> None:
     """Refuse files that cannot be written before any work is done."""
     from importlib.util import find_spec
 
-    from gridgen_sym.grids import known_suffixes
+    from ..io import known_suffixes
 
     if output and Path(output).suffix.lower() not in known_suffixes():
         raise GridgenError(f"cannot write {output}: its suffix must be one of {', '.join(known_suffixes())}")
@@ -145,8 +145,9 @@ def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, resu
 
     The `result` of a solver has said what it knows.
     """
-    from gridgen_sym.grids import certificates, plot_certificates, plot_grid
-    from gridgen_sym.grids import quality as measure
+    from ..certificates import certificates
+    from ..grids import quality as measure
+    from ..plotting import plot_certificates, plot_grid
 
     if result:
         found = result.certificates
@@ -176,7 +177,7 @@ def count_of(grid: Grid) -> str:
 
 def folds_of(grid: Grid) -> str:
     """Return how many cells are folded, in words."""
-    from gridgen_sym.grids import quality
+    from ..grids import quality
 
     count = quality(grid).folded_cells
     return f"{count} of them folded" if count else "none of them folded"
@@ -187,8 +188,8 @@ def folds_of(grid: Grid) -> str:
 @click.option("--plot", metavar="PNG", help="Draw the grid, and why no valid one exists: .png, .svg or .pdf.")
 def quality(file: str, plot: str | None) -> None:
     """Measure the grid in FILE; exits with 1 if a cell is folded."""
-    from gridgen_sym.grids import quality as measure
-    from gridgen_sym.grids import read
+    from ..grids import quality as measure
+    from ..io import read
 
     check_outputs(None, plot)
     given = read(file)
@@ -202,7 +203,7 @@ def quality(file: str, plot: str | None) -> None:
 @click.command()
 def domains() -> None:
     """List the classical domains."""
-    from gridgen_sym.grids import domain_description, domain_names
+    from ..boundary import domain_description, domain_names
 
     for name in domain_names():
         click.echo(f"{name:<18}{domain_description(name)}")

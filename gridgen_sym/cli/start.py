@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from gridgen_sym.errors import GridgenError
+from ..errors import GridgenError
 
 if TYPE_CHECKING:
-    from gridgen_sym.grids import Grid
+    from ..grids import Grid
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 _DEFAULT_CELLS = (40, 40)
@@ -62,7 +62,8 @@ def start_grid(
     Raises:
         GridgenError: if it is none of these, or cannot be read.
     """
-    from gridgen_sym.grids import domain, known_suffixes
+    from ..boundary import domain
+    from ..io import known_suffixes
 
     ni, nj = (cells + 1 for cells in size or _DEFAULT_CELLS)
     if min(ni, nj) < 3:
@@ -101,14 +102,14 @@ def _has_nodes(path: str) -> bool:
 
 
 def _lines(path: str) -> list[str]:
-    from gridgen_sym.atomic import read_bytes
+    from ..atomic import read_bytes
 
     return read_bytes(path).decode("utf-8-sig", errors="replace").splitlines()
 
 
 def _outline_grid(path: str, ni: int, nj: int, corners: str | None, sampling: str | None, reorient: bool) -> Grid:
     """Return the grid of an outline's file."""
-    from gridgen_sym.grids import Outline
+    from ..boundary import Outline
 
     chosen: Any = corners
     if corners is not None and corners != "auto":
@@ -126,8 +127,10 @@ def _outline_grid(path: str, ni: int, nj: int, corners: str | None, sampling: st
 
 def _grid_file(path: str, size: tuple[int, int] | None, reorient: bool) -> Grid:
     """Return the grid of a file; one that runs clockwise is mirrored, unless that is forbidden, and it is said."""
-    from gridgen_sym.grids import Grid, certificates, read
-    from gridgen_sym.messages import say
+    from ..certificates import certificates
+    from ..grids import Grid
+    from ..io import read
+    from ..messages import say
 
     if size is not None:
         raise GridgenError(f"{path} is a grid file, which has its own number of cells: drop --size")

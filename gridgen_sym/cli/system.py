@@ -15,9 +15,9 @@ _PACKAGES = ("numpy", "scipy", "sympy", "matplotlib")
 @click.command()
 def info() -> None:
     """Tell which backend, compiler, cache and versions are used, and why."""
-    from gridgen_sym import __version__
-    from gridgen_sym.resources import resource_folder
-    from gridgen_sym.runtime import cache_folder, find_compiler, thread_count
+    from ..resources import resource_folder
+    from ..runtime import cache_folder, find_compiler, thread_count
+    from ..version import __version__
 
     compiler = find_compiler()
     threads = thread_count()
@@ -39,7 +39,7 @@ def info() -> None:
 
 def _backend(has_compiler: bool) -> str:
     """Return the name of the backend in use, and why it is that one."""
-    from gridgen_sym.runtime import choose_backend
+    from ..runtime import choose_backend
 
     forced = os.environ.get("GRIDGEN_SYM_BACKEND")
     if forced:
@@ -71,6 +71,6 @@ def _version(package: str) -> str:
 )
 def paper(folder: str) -> None:
     """Make every example of the paper: pictures and a table."""
-    from gridgen_sym.paper_examples import run
+    from ..paper_examples import run
 
     run(Path(folder), click.echo)

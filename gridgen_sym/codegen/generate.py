@@ -11,7 +11,7 @@ from ..functionals import functional, functionals, is_builtin
 from ..functionals.definition import Functional
 from ..resources import resource_folder
 from ..symbolic.coordinates import Variant, s
-from ..symbolic.discrete import has_barrier
+from ..symbolic.derive.discrete import has_barrier
 from .kernel import Source
 from .programs import kernel
 from .render import LANGUAGES, render, render_document

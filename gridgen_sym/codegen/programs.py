@@ -9,8 +9,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from ..functionals.definition import Functional
-from ..symbolic.classify import equation_type, is_null_lagrangian
-from ..symbolic.continuous import EulerLagrange, euler_lagrange, residual_slopes
+from ..symbolic.classify.classification import equation_type, is_null_lagrangian
 from ..symbolic.coordinates import (
     DIRECTION,
     FIRST_DERIVATIVES,
@@ -27,7 +26,8 @@ from ..symbolic.coordinates import (
     s_y,
     s_yy,
 )
-from ..symbolic.discrete import CornerModel, corner_model, has_barrier
+from ..symbolic.derive.continuous import EulerLagrange, euler_lagrange, residual_slopes
+from ..symbolic.derive.discrete import CornerModel, corner_model, has_barrier
 from .kernel import Kernel, Program
 from .lower import lower
 

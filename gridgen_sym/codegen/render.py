@@ -7,9 +7,9 @@ from typing import Any
 
 import jinja2
 
-from .. import __version__
 from ..functionals.definition import Functional
 from ..resources import resource_folder
+from ..version import __version__
 from .kernel import Kernel, Program, Source
 from .printers import CPrinter, NumpyPrinter, Printer
 
@@ -34,7 +34,7 @@ def render_page(template: str, **variables: object) -> str:
 
 def render_document(functional: Functional) -> Source:
     """Return the page of derived equations of a functional."""
-    from ..symbolic.report import derive_text
+    from ..symbolic.report.functional import derive_text
 
     equations = derive_text(functional)
     text = render_page("functional.md.jinja", functional=functional, equations=equations, version=__version__)

@@ -13,8 +13,8 @@ from ..codegen.programs import kernel
 from ..codegen.render import render, render_page
 from ..functionals import Functional
 from ..symbolic import Classification, classify
-from ..symbolic.report_latex import latex, latex_formulas
-from ..symbolic.report_sections import Section, sections
+from ..symbolic.report.latex import latex, latex_formulas
+from ..symbolic.report.sections import Section, sections
 from .advice import consequences
 from .pictures import draw, trials
 

@@ -6,8 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..boundary import domain, domain_names
 from ..functionals import Functional
-from ..grids import Grid, domain, domain_names, plot_grids, quality
+from ..grids import Grid, quality
+from ..plotting import plot_grids
 from ..solvers import Result, optimize
 from ..symbolic import has_barrier
 

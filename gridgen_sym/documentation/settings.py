@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .. import __version__
 from ..resources import resource_folder
+from ..version import __version__
 
 
 def static_folder() -> Path:

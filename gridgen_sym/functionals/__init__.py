@@ -3,7 +3,7 @@
 from . import library as library  # isort: skip - the paper's functionals come first in lists
 from . import adaptive as adaptive
 from .definition import Functional as Functional
-from .definition import define as define
-from .definition import functional as functional
-from .definition import functionals as functionals
-from .definition import is_builtin as is_builtin
+from .registry import define as define
+from .registry import functional as functional
+from .registry import functionals as functionals
+from .registry import is_builtin as is_builtin

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .definition import builtin
 from .metric import Metric
+from .registry import builtin
 
 
 @builtin(

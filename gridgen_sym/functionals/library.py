@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .definition import builtin
 from .metric import Metric
+from .registry import builtin
 
 _CONVEX_COMBINATION = ("k_A >= 0", "k_L >= 0", "k_O >= 0", "k_A + k_L + k_O == 1")
 

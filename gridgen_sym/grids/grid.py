@@ -9,9 +9,8 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..arrays import Array, real_array
 from ..errors import GridgenError
-
-FloatArray = NDArray[np.float64]
 
 SMALLEST = 3  # Fewer nodes along an axis leave no free node.
 
@@ -29,7 +28,7 @@ class Grid:
             that kernels run over unit stride.
     """
 
-    planes: FloatArray
+    planes: Array
 
     def __init__(self, xy: ArrayLike) -> None:
         """Copy and check node coordinates.
@@ -67,7 +66,7 @@ class Grid:
         grid._store(planes)
         return grid
 
-    def _store(self, planes: FloatArray) -> None:
+    def _store(self, planes: Array) -> None:
         """Keep `planes` (2, ni, nj), contiguous and referred to by nothing else, once they are known to be a grid."""
         _, ni, nj = planes.shape
         if min(ni, nj) < SMALLEST:
@@ -86,19 +85,19 @@ class Grid:
         object.__setattr__(self, "planes", planes)
 
     @property
-    def x(self) -> FloatArray:
+    def x(self) -> Array:
         """The x coordinates: a read-only view of shape (ni, nj)."""
-        plane: FloatArray = self.planes[0]
+        plane: Array = self.planes[0]
         return plane
 
     @property
-    def y(self) -> FloatArray:
+    def y(self) -> Array:
         """The y coordinates: a read-only view of shape (ni, nj)."""
-        plane: FloatArray = self.planes[1]
+        plane: Array = self.planes[1]
         return plane
 
     @property
-    def xy(self) -> FloatArray:
+    def xy(self) -> Array:
         """The node coordinates: a new array of shape (ni, nj, 2), free to be changed."""
         return np.stack((self.planes[0], self.planes[1]), axis=-1)
 
@@ -109,10 +108,8 @@ class Grid:
         return ni, nj
 
     def write(self, path: str | PathLike[str]) -> None:
-        """Write the grid to a file of the kind that the suffix names; see `gridgen_sym.grids.files.write`."""
-        from .files import write  # `files` imports this module.
-
-        write(self, path)
+        """Write the grid to a file of the kind that the suffix names; see `gridgen_sym.write`."""
+        _writer(self, path)
 
     def __eq__(self, other: object) -> bool:
         """Whether `other` is a grid with the same coordinates."""
@@ -128,29 +125,22 @@ class Grid:
         ni, nj = self.shape
         return f"Grid({ni} x {nj} nodes, x in [{x0:g}, {x1:g}], y in [{y0:g}, {y1:g}])"
 
-    def __reduce__(self) -> tuple[Callable[..., Grid], tuple[FloatArray, FloatArray]]:
+    def __reduce__(self) -> tuple[Callable[..., Grid], tuple[Array, Array]]:
         """Pickle through the constructor, which restores the read-only flag that NumPy's pickling drops."""
         return Grid.from_planes, (self.planes[0], self.planes[1])
 
 
-def real_array(values: ArrayLike, what: str, *, copy: bool = True) -> FloatArray:
-    """Return `values` as float64, without `copy` perhaps themselves, or say which type came instead of real numbers.
+def write_grids_with(writer: Callable[[Grid, str | PathLike[str]], None]) -> None:
+    """Set what `Grid.write` calls: `io` does, since file formats know grids, and grids no file format."""
+    global _writer
+    _writer = writer
 
-    Raises:
-        GridgenError: for ragged, complex, textual or otherwise non-numeric values, and for masked ones; `what` names
-            them.
-    """
-    if isinstance(values, np.ma.MaskedArray) and np.any(values.mask):
-        missing = int(np.sum(values.mask))
-        raise GridgenError(f"{what} must all be there, but {missing} of the numbers are masked: fill them")
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind not in "biufO":  # A complex or a textual array would be converted by NumPy, lossily.
-            raise TypeError(f"numbers of type {array.dtype} came")
-        with np.errstate(over="ignore"):  # A too large long double becomes inf, which is reported as such.
-            return array.astype(np.float64, copy=copy)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise GridgenError(f"{what} must be an array of real numbers: {error}") from error
+
+def _no_writer(_: Grid, path: str | PathLike[str]) -> None:
+    raise GridgenError(f"cannot write {path}: no file formats are loaded; import gridgen_sym.io")
+
+
+_writer: Callable[[Grid, str | PathLike[str]], None] = _no_writer
 
 
 def check_grid(grid: Grid) -> None:
@@ -174,7 +164,7 @@ def boundary_indices(ni: int, nj: int) -> NDArray[np.intp]:
     return np.concatenate([np.stack(side, axis=-1) for side in sides])
 
 
-def corner_jacobians(x: FloatArray, y: FloatArray) -> FloatArray:
+def corner_jacobians(x: Array, y: Array) -> Array:
     """Return the Jacobian J = x_xi y_eta - x_eta y_xi at the four corners of every cell.
 
     One-sided differences along increasing xi and eta, with unit steps in the index: J is twice the signed

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .grid import FloatArray, Grid, check_grid, corner_jacobians
+from ..arrays import Array
+from .grid import Grid, check_grid, corner_jacobians
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ class Quality:
     max_aspect_ratio: float
     max_area_ratio: float
     folded: NDArray[np.intp] = field(repr=False, compare=False)
-    folded_centers: FloatArray = field(repr=False, compare=False)
+    folded_centers: Array = field(repr=False, compare=False)
 
     @property
     def valid(self) -> bool:
@@ -120,12 +121,12 @@ def quality(grid: Grid) -> Quality:
         )
 
 
-def _edges(grid: Grid) -> tuple[FloatArray, FloatArray]:
+def _edges(grid: Grid) -> tuple[Array, Array]:
     """Return the edge vectors along xi, shape (2, ni-1, nj), and along eta, shape (2, ni, nj-1)."""
     return np.diff(grid.planes, axis=1), np.diff(grid.planes, axis=2)
 
 
-def _corner_measures(jacobians: FloatArray, xi_edges: FloatArray, eta_edges: FloatArray) -> dict[str, Any]:
+def _corner_measures(jacobians: Array, xi_edges: Array, eta_edges: Array) -> dict[str, Any]:
     """Return the measures that each corner has for itself: scaled Jacobian, condition number, angle."""
     low, high = slice(None, -1), slice(1, None)
     corners = ((low, low, False), (low, high, True), (high, high, False), (high, low, True))
@@ -150,27 +151,27 @@ def _corner_measures(jacobians: FloatArray, xi_edges: FloatArray, eta_edges: Flo
     }
 
 
-def _aspect_ratio(xi_edges: FloatArray, eta_edges: FloatArray) -> float:
+def _aspect_ratio(xi_edges: Array, eta_edges: Array) -> float:
     """Return the largest aspect ratio of a cell."""
     xi, eta = np.hypot(*xi_edges), np.hypot(*eta_edges)
     width, height = xi[:, :-1] + xi[:, 1:], eta[:-1] + eta[1:]
     return _largest_ratio(width, height)
 
 
-def _area_ratio(area: FloatArray) -> float:
+def _area_ratio(area: Array) -> float:
     """Return the largest ratio of the areas of two neighbors."""
     if not (area > 0).all():
         return np.inf
     return max(_largest_ratio(area[1:], area[:-1]), _largest_ratio(area[:, 1:], area[:, :-1]))
 
 
-def _largest_ratio(a: FloatArray, b: FloatArray) -> float:
+def _largest_ratio(a: Array, b: Array) -> float:
     """Return the largest of a/b and b/a; inf where one of them is 0."""
     small, large = np.minimum(a, b), np.maximum(a, b)
     return float(np.where(small > 0, large / small, np.inf).max())
 
 
-def _centers(grid: Grid, cells: NDArray[np.intp]) -> FloatArray:
+def _centers(grid: Grid, cells: NDArray[np.intp]) -> Array:
     """Return the means of the four nodes of the given cells, shape (n, 2)."""
     i, j = cells.T
     nodes = grid.planes[:, [i, i + 1, i + 1, i], [j, j, j + 1, j + 1]]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arrays import Array, real_array
 from ..errors import GridgenError
-from .grid import SMALLEST, FloatArray, Grid, real_array
+from .grid import SMALLEST, Grid
 
 CORNER_TOLERANCE = 1e-9  # Relative to the extent of the boundary: looser than rounding, far below a cell.
 _ROWS = 32  # Rows of nodes that are computed at once.
@@ -51,7 +52,7 @@ def transfinite(bottom: ArrayLike, top: ArrayLike, left: ArrayLike, right: Array
     return Grid.from_planes(*_coons(b, t, le, r))
 
 
-def _side(name: str, points: ArrayLike) -> FloatArray:
+def _side(name: str, points: ArrayLike) -> Array:
     """Return one side as a checked array of shape (n, 2)."""
     side = real_array(points, f"the side '{name}'")
     if side.ndim != 2 or side.shape[1] != 2 or len(side) < SMALLEST:
@@ -65,7 +66,7 @@ def _side(name: str, points: ArrayLike) -> FloatArray:
     return side
 
 
-def _check_corners(b: FloatArray, t: FloatArray, le: FloatArray, r: FloatArray) -> None:
+def _check_corners(b: Array, t: Array, le: Array, r: Array) -> None:
     """Raise an error for the first corner at which two sides do not meet."""
     points = np.concatenate((b, t, le, r))
     with np.errstate(over="ignore", invalid="ignore"):
@@ -85,7 +86,7 @@ def _check_corners(b: FloatArray, t: FloatArray, le: FloatArray, r: FloatArray) 
                 )
 
 
-def _coons(b: FloatArray, t: FloatArray, le: FloatArray, r: FloatArray) -> FloatArray:
+def _coons(b: Array, t: Array, le: Array, r: Array) -> Array:
     """Return the interpolated nodes, planes (2, ni, nj), with the given boundary put back bit by bit."""
     s, u = np.linspace(0.0, 1.0, len(b))[:, None], np.linspace(0.0, 1.0, len(le))
     planes = np.empty((2, len(b), len(le)))
@@ -106,6 +107,6 @@ def _coons(b: FloatArray, t: FloatArray, le: FloatArray, r: FloatArray) -> Float
     return planes
 
 
-def _text(point: FloatArray) -> str:
+def _text(point: Array) -> str:
     """Return a point as text for a message."""
     return f"({point[0]:.9g}, {point[1]:.9g})"

@@ -19,9 +19,11 @@ import numpy as np
 
 from ..adaptation import adapt
 from ..adaptation.equidistribution import cell_means, equidistribution
+from ..boundary import domain
 from ..errors import GridgenError
-from ..grids import Grid, domain
-from ..solvers import Weight, energy
+from ..fields import Weight
+from ..grids import Grid
+from ..solvers import energy
 from .case import Case, sweep
 from .claim import Claim, decide
 from .report import Example, Picture

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..fields import Weight
 from ..grids import Grid, Quality, quality
-from ..solvers import Result, Weight, energy, optimize
+from ..solvers import Result, energy, optimize
 
 #: Sweeps of the local method within which an example must converge; where it does not, Newton gives the limit.
 MOST_SWEEPS = 1200

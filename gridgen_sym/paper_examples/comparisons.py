@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ..grids import domain
+from ..boundary import domain
 from .case import Case, converge, sweep
 from .claim import Claim, better, decide
 from .report import Example, Picture

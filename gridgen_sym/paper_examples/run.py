@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..atomic import write_bytes
 from ..errors import GridgenError
-from ..grids import plot_grids
+from ..plotting import plot_grids
 from .adaptive import adaptive_area
 from .comparisons import comparisons
 from .report import Example, markdown, text

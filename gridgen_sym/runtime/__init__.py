@@ -7,9 +7,7 @@ from .compiler import find_compiler as find_compiler
 from .compiler import open_library as open_library
 from .kernel_set import HESSIAN_PLANES as HESSIAN_PLANES
 from .kernel_set import JACOBIAN_PLANES as JACOBIAN_PLANES
-from .kernel_set import Array as Array
 from .kernel_set import KernelSet as KernelSet
-from .kernel_set import Mask as Mask
 from .kernels import kernels as kernels
 from .threads import thread_count as thread_count
 from .threads import threads_for as threads_for

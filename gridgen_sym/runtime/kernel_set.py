@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ..arrays import Array, Mask
 from ..errors import GridgenError
 from .load import Block
 from .threads import threads_for
@@ -16,8 +16,6 @@ from .threads import threads_for
 if TYPE_CHECKING:
     from ..symbolic.coordinates import Variant
 
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.uint8]
 
 #: Number of planes of the stored half of the Hessian, and of the Jacobian of the Euler-Lagrange residual.
 HESSIAN_PLANES, JACOBIAN_PLANES = 19, 36

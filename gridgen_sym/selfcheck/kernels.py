@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..functionals import Functional
-from ..runtime import Array, KernelSet, find_compiler, kernels
+from ..runtime import KernelSet, find_compiler, kernels
 from .check import Check, difference
 
 _SIZE = (9, 70)

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..functionals import Functional
-from ..runtime import Array, kernels
+from ..runtime import kernels
 from .check import Check
 from .derived import FIRST, SECOND, written_out
 

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array
+from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..grids import Grid
-from ..runtime import Array
+from .linear.sparse import assemble_hessian
 from .problem import make_problem
-from .sparse import assemble_hessian
-from .weight import Source, Weight
 
 
 def energy(

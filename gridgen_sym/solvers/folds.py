@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..arrays import Array, Mask
 from ..grids import corner_jacobians
-from ..runtime import Array, Mask
 
 #: Folds are counted among so many nodes at once, whose Jacobians stay in the processor's cache.
 _NUMBERS = 4096

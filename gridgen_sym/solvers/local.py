@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..runtime import Array, Mask
-from .goal import Goal, converged_message
-from .point import Point
+from ..arrays import Array, Mask
+from .convergence import Goal, converged_message
+from .iterate import Point
 from .problem import Problem
-from .progress import Progress
-from .step_control import jacobian_floor
+from .run.progress import Progress
+from .run.step_control import jacobian_floor
 
 COLORS = 4
 

@@ -9,18 +9,19 @@ from typing import Literal
 import numpy.typing as npt
 
 from ..errors import GridgenError
-from ..functionals.definition import Functional, functional
+from ..fields.weight import Source, Weight
+from ..functionals.definition import Functional
+from ..functionals.registry import functional
 from ..grids import Grid
-from .checks import check_controls
-from .deadline import Deadline
 from .local import sweep_until_converged
-from .newton import minimize
+from .minimization import Run
+from .newton.minimize import minimize
 from .problem import Problem, make_problem, norm_of
-from .progress import Callback, Progress
-from .result import Result
-from .run import Run
-from .stopping import run_to_result
-from .weight import Source, Weight
+from .run.checks import check_controls
+from .run.deadline import Deadline
+from .run.progress import Callback, Progress
+from .run.result import Result
+from .run.stopping import run_to_result
 
 #: Newton steps, or sweeps, where the caller does not say.
 _LIMITS = {"newton": 1000, "local": 5000}

@@ -8,13 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from ..functionals.definition import Functional, functional
+from ..arrays import Array, Mask
+from ..fields.weight import Source, Weight, as_weight
+from ..functionals.definition import Functional
+from ..functionals.registry import functional
 from ..grids import Grid
 from ..grids.grid import check_grid
-from ..runtime import Array, KernelSet, Mask, kernels
-from .checks import check_size, fixed_mask
+from ..runtime import KernelSet, kernels
 from .folds import Folds
-from .weight import Source, Weight, as_weight
+from .run.checks import check_size, fixed_mask
 
 
 @dataclass(slots=True)

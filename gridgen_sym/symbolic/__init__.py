@@ -1,24 +1,24 @@
 """Mathematics: derive everything from a functional's density, classify it, and check the paper against it.
 
-`coordinates` names the symbols; `discrete` derives a corner's energy, gradient and Hessians, `continuous` the
-Euler–Lagrange equations; `reduction` and `definiteness` decide what they are worth; `classify` says what kind of
-functional it is; `verify` compares the printed equations of the paper; `report` writes it all down.
+`coordinates` names the symbols, and `definiteness` decides the signs of expressions. `derive` has the discrete and
+the continuous side, `classify` says what kind of functional it is, `report` writes it all down, and `paper` compares
+the printed equations of the paper. Each imports only what stands before it in this list.
 """
 
 from .classify import Classification as Classification
 from .classify import classify as classify
-from .continuous import EulerLagrange as EulerLagrange
-from .continuous import euler_lagrange as euler_lagrange
+from .classify.ellipticity import Ellipticity as Ellipticity
+from .classify.equidistribution import Equidistribution as Equidistribution
+from .classify.equidistribution import equidistribution as equidistribution
 from .coordinates import Variant as Variant
 from .definiteness import Definiteness as Definiteness
-from .discrete import CornerModel as CornerModel
-from .discrete import corner_model as corner_model
-from .discrete import has_barrier as has_barrier
-from .ellipticity import Ellipticity as Ellipticity
-from .equidistribution import Equidistribution as Equidistribution
-from .equidistribution import equidistribution as equidistribution
-from .reduction import Reduction as Reduction
+from .derive.continuous import EulerLagrange as EulerLagrange
+from .derive.continuous import euler_lagrange as euler_lagrange
+from .derive.discrete import CornerModel as CornerModel
+from .derive.discrete import corner_model as corner_model
+from .derive.discrete import has_barrier as has_barrier
+from .derive.reduction import Reduction as Reduction
+from .paper import Verdict as Verdict
+from .paper import verify as verify
 from .report import derive_latex as derive_latex
 from .report import derive_text as derive_text
-from .verify import Verdict as Verdict
-from .verify import verify as verify

@@ -32,7 +32,7 @@ def test_the_history_tells_of_every_step():
 def test_progress_is_shown_where_it_takes_long(monkeypatch, live_line):
     gg.adapt(square(9), ring, steps=1, progress=True)
     assert not live_line, "it did not take long"
-    monkeypatch.setattr("gridgen_sym.solvers.live.PATIENCE", -1.0)
+    monkeypatch.setattr("gridgen_sym.solvers.minimization.live.PATIENCE", -1.0)
     gg.adapt(square(9), ring, steps=1, progress=False)
     assert not live_line
     gg.adapt(square(9), ring, steps=1, progress=True)

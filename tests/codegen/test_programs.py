@@ -30,9 +30,9 @@ from gridgen_sym.codegen.kernel import Assignment, Program
 from gridgen_sym.codegen.render import render
 from gridgen_sym.functionals import functional
 from gridgen_sym.runtime.load import load_module
-from gridgen_sym.symbolic.continuous import euler_lagrange, residual_slopes
 from gridgen_sym.symbolic.coordinates import FIRST_DERIVATIVES
-from gridgen_sym.symbolic.discrete import corner_model
+from gridgen_sym.symbolic.derive.continuous import euler_lagrange, residual_slopes
+from gridgen_sym.symbolic.derive.discrete import corner_model
 
 ROUND_OFF = mpmath.mpf(10) ** -11
 DIFFERENCES = mpmath.mpf(10) ** -18

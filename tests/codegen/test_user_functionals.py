@@ -19,7 +19,7 @@ from support import (
 
 from gridgen_sym.functionals import define
 from gridgen_sym.runtime import find_compiler, kernels
-from gridgen_sym.symbolic.discrete import corner_model
+from gridgen_sym.symbolic.derive.discrete import corner_model
 
 pytestmark = pytest.mark.usefixtures("clean_registry")
 

@@ -8,6 +8,8 @@ import re
 from pathlib import Path
 
 import pytest
+from derived_pages.paper_pages import chapters
+from derived_pages.reference_pages import command_helps, public_names
 
 import gridgen_sym
 from gridgen_sym import selfcheck
@@ -16,14 +18,13 @@ from gridgen_sym.codegen.programs import kernel
 from gridgen_sym.codegen.render import render, render_document
 from gridgen_sym.documentation.advice import consequences
 from gridgen_sym.documentation.functional_page import _parts
-from gridgen_sym.documentation.paper_pages import chapters
-from gridgen_sym.documentation.reference_pages import command_helps, public_names
 from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.resources import resource_folder
-from gridgen_sym.symbolic import classify, derive_text, euler_lagrange, report_sections
-from gridgen_sym.symbolic.errata import ERRATA
-from gridgen_sym.symbolic.verify import verify
+from gridgen_sym.symbolic import classify, derive_text, euler_lagrange
+from gridgen_sym.symbolic.paper.errata import ERRATA
+from gridgen_sym.symbolic.paper.verify import verify
+from gridgen_sym.symbolic.report import sections as report_sections
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,17 +6,18 @@ from types import SimpleNamespace
 
 import pytest
 import sympy
+from derived_pages import site
+from derived_pages.paper_pages import Shown, _section, _shown, _title, _without_name
+from derived_pages.reference_pages import command_helps, public_names
 
 import gridgen_sym as gg
-from gridgen_sym.documentation import functional_page, pictures, site
+from gridgen_sym.documentation import functional_page, pictures
 from gridgen_sym.documentation.advice import consequences
 from gridgen_sym.documentation.functional_page import _facts, _parts
-from gridgen_sym.documentation.paper_pages import Shown, _section, _shown, _title, _without_name
 from gridgen_sym.documentation.pictures import _panels, trials
-from gridgen_sym.documentation.reference_pages import command_helps, public_names
 from gridgen_sym.functionals import functional
+from gridgen_sym.symbolic.classify.ellipticity import Ellipticity
 from gridgen_sym.symbolic.coordinates import s
-from gridgen_sym.symbolic.ellipticity import Ellipticity
 
 
 def classification(**properties):
@@ -194,7 +195,7 @@ def verdict(place="Section 2.1, second equation", **properties):
 
 
 def test_an_equation_is_shown_with_its_answer(monkeypatch):
-    monkeypatch.setattr("gridgen_sym.documentation.paper_pages.counterpart", lambda _: None)
+    monkeypatch.setattr("derived_pages.paper_pages.counterpart", lambda _: None)
     x = sympy.Symbol("x")
     plain = _shown(verdict(is_plain=True))
     assert (plain.color, plain.answer, plain.derived, plain.difference) == ("agrees", "agrees", (), "")

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from gridgen_sym.grids import Grid, domain, quality
+from gridgen_sym.boundary import domain
+from gridgen_sym.grids import Grid, quality
 
 
 def rectangle(ni, nj, width, height):

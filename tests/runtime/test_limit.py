@@ -20,7 +20,7 @@ from support import EQUATION_CASES, case_name, derived_kernel, kernel_set, obser
 from gridgen_sym.codegen.render import render
 from gridgen_sym.functionals import define, functional
 from gridgen_sym.runtime.load import NumpyBackend, load_module
-from gridgen_sym.symbolic.continuous import euler_lagrange
+from gridgen_sym.symbolic.derive.continuous import euler_lagrange
 
 SECOND_ORDER = 1.8
 #: Cells along u at the two resolutions; along v the spacing is another one.

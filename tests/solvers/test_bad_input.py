@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from support_solvers import farthest, mild_grid
 
 import gridgen_sym as gg
-
-from .conftest import farthest, mild_grid
 
 FEW = settings(max_examples=25)
 SOLVERS = {"optimize": gg.optimize, "solve_euler_lagrange": gg.solve_euler_lagrange}

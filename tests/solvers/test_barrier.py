@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support import NO_SHARED, SHARED
-
-import gridgen_sym as gg
-
-from .conftest import (
+from support_solvers import (
     BARRIER,
     METHODS,
     assert_consistent,
@@ -19,6 +16,8 @@ from .conftest import (
     hopeless_grid,
     largest_rise,
 )
+
+import gridgen_sym as gg
 
 REGIONS = SHARED / "domains" / "regions"
 

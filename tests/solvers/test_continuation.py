@@ -10,13 +10,13 @@ import pytest
 
 import gridgen_sym as gg
 from gridgen_sym.functionals import functional
-from gridgen_sym.solvers import continuation
-from gridgen_sym.solvers.continuation import _ended, path, regularized
-from gridgen_sym.solvers.deadline import StopRequest
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.progress import Progress
-from gridgen_sym.solvers.untangle import _Least, _Search, unfold
+from gridgen_sym.solvers.run.deadline import StopRequest
+from gridgen_sym.solvers.run.progress import Progress
+from gridgen_sym.solvers.untangling import continuation
+from gridgen_sym.solvers.untangling.continuation import _ended, path, regularized
+from gridgen_sym.solvers.untangling.untangle import _Least, _Search, unfold
 
 WINSLOW = functional("winslow")
 
@@ -200,7 +200,7 @@ def test_a_window_begins_at_the_least_folded_grid_and_gives_back_whatever_ends_i
         place[...] = place[:, :1, :1] + np.indices(place.shape[1:])
         raise StopRequest("callback", "enough")
 
-    monkeypatch.setattr(import_module("gridgen_sym.solvers.untangle"), "unfold", stopped)
+    monkeypatch.setattr(import_module("gridgen_sym.solvers.untangling.untangle"), "unfold", stopped)
     with pytest.raises(StopRequest):
         found.window_by_window()
     assert given == [found.parameters]

@@ -10,15 +10,16 @@ import pytest
 from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
-from gridgen_sym.solvers import equations_newton, lift
-from gridgen_sym.solvers.deadline import Deadline, StopRequest
-from gridgen_sym.solvers.equations import Equations
-from gridgen_sym.solvers.middles import unfold_from_middles
-from gridgen_sym.solvers.newton import _minimize_window
-from gridgen_sym.solvers.newton_steps import NewtonSteps
-from gridgen_sym.solvers.nonlinear_elimination import eliminate
+from gridgen_sym.solvers.equations import newton as equations_newton
+from gridgen_sym.solvers.equations.residual import Equations
+from gridgen_sym.solvers.newton.minimize import _minimize_window
+from gridgen_sym.solvers.newton.nonlinear_elimination import eliminate
+from gridgen_sym.solvers.newton.steps import NewtonSteps
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.progress import Progress
+from gridgen_sym.solvers.run.deadline import Deadline, StopRequest
+from gridgen_sym.solvers.run.progress import Progress
+from gridgen_sym.solvers.untangling import lift
+from gridgen_sym.solvers.untangling.middles import unfold_from_middles
 
 from .test_nonlinear_elimination import point_of, stretched
 

@@ -9,10 +9,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import sympy
+from support_solvers import assert_consistent, edges, farthest, mild_grid
 
 import gridgen_sym as gg
-
-from .conftest import assert_consistent, edges, farthest, mild_grid
 
 CLASSICAL = ("swan", "chevron", "horseshoe")
 SECOND_ORDER = 1.8

@@ -12,8 +12,7 @@ from support_boundaries import SEEDS, SIZES, grid_of_ring, star_polygon
 
 import gridgen_sym as gg
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
-from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.prolongation import (
+from gridgen_sym.solvers.multilevel.prolongation import (
     _SIDES,
     _displaced,
     _harmonic,
@@ -23,7 +22,8 @@ from gridgen_sym.solvers.prolongation import (
     from_boundary,
     resample,
 )
-from gridgen_sym.solvers.windows import cut_out, folded_nodes, windows
+from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.subdomains import cut_out, folded_nodes, windows
 
 
 def disordered(seed, ni, nj, disorder=0.6):
@@ -173,7 +173,7 @@ def test_the_ways_to_a_finer_start_are_tried_in_turn(cells, best, asked, monkeyp
         return Folds(cells[int(place[0, 0, 0])], 1.0)
 
     for name, way in zip(("_displaced", "_spread", "from_boundary"), ways, strict=True):
-        monkeypatch.setattr(f"gridgen_sym.solvers.prolongation.{name}", lambda *_, way=way: way)
+        monkeypatch.setattr(f"gridgen_sym.solvers.multilevel.prolongation.{name}", lambda *_, way=way: way)
     start = finer_start(SimpleNamespace(folds=folds), ways[0], ways[0])
     assert start[0, 0, 0] == best
     assert len(seen) == asked

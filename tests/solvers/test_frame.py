@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gridgen_sym.solvers.frame import frames, stretched_frames
+from gridgen_sym.solvers.untangling.frame import frames, stretched_frames
 
 
 def rectangle(length, height, angle=0.4, size=(9, 6)):

@@ -7,12 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gridgen_sym.solvers.deadline import Deadline
-from gridgen_sym.solvers.goal import Goal
-from gridgen_sym.solvers.line_search import LineSearch
-from gridgen_sym.solvers.newton_steps import NewtonSteps
-from gridgen_sym.solvers.point import Point
-from gridgen_sym.solvers.step_control import StepControl, diverges, jacobian_floor
+from gridgen_sym.solvers.convergence import Goal
+from gridgen_sym.solvers.iterate import Point
+from gridgen_sym.solvers.newton.line_search import LineSearch
+from gridgen_sym.solvers.newton.steps import NewtonSteps
+from gridgen_sym.solvers.run.deadline import Deadline
+from gridgen_sym.solvers.run.step_control import StepControl, diverges, jacobian_floor
 
 
 class OneNumber:

@@ -5,16 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
+from support_solvers import BARRIER, edges
 
 import gridgen_sym as gg
 from gridgen_sym.grids import corner_jacobians
-from gridgen_sym.solvers.deadline import Deadline, StopRequest
-from gridgen_sym.solvers.frame import stretched_frames
-from gridgen_sym.solvers.middles import _starts, unfold_from_middles
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.progress import Progress
-
-from .conftest import BARRIER, edges
+from gridgen_sym.solvers.run.deadline import Deadline, StopRequest
+from gridgen_sym.solvers.run.progress import Progress
+from gridgen_sym.solvers.untangling.frame import stretched_frames
+from gridgen_sym.solvers.untangling.middles import _starts, unfold_from_middles
 
 
 def band(seed, ni, nj, thickness):

@@ -6,11 +6,11 @@ from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
-from gridgen_sym.solvers.linear import DirectSolver
-from gridgen_sym.solvers.multigrid import GeneralMultigrid, Multigrid
-from gridgen_sym.solvers.nested import coarse_shapes
+from gridgen_sym.solvers.linear.multigrid import GeneralMultigrid, Multigrid
+from gridgen_sym.solvers.linear.sparse import assemble_hessian, assemble_jacobian, to_vector
+from gridgen_sym.solvers.linear.systems import DirectSolver
+from gridgen_sym.solvers.multilevel.nested import coarse_shapes
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.sparse import assemble_hessian, assemble_jacobian, to_vector
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="multigrid is compiled")
 

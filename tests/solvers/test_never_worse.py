@@ -6,15 +6,14 @@ from itertools import count
 
 import numpy as np
 import pytest
+from support_solvers import BARRIER, disordered, edges
 
 import gridgen_sym as gg
 from gridgen_sym.solvers.folds import Folds
-from gridgen_sym.solvers.line_search import LineSearch
-from gridgen_sym.solvers.point import Point
+from gridgen_sym.solvers.iterate import Point
+from gridgen_sym.solvers.multilevel.prolongation import finer_start, from_boundary
+from gridgen_sym.solvers.newton.line_search import LineSearch
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.prolongation import finer_start, from_boundary
-
-from .conftest import BARRIER, disordered, edges
 
 SOLVERS = {
     "newton": lambda start, name, **options: gg.optimize(start, name, **options),

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support_solvers import BARRIER
 
 import gridgen_sym as gg
-from gridgen_sym.solvers import newton
-from gridgen_sym.solvers.deadline import Deadline
-from gridgen_sym.solvers.newton import minimize
-from gridgen_sym.solvers.nonlinear_elimination import eliminate, sweep_standing_out
-from gridgen_sym.solvers.point import Point
+from gridgen_sym.solvers.iterate import Point
+from gridgen_sym.solvers.newton import minimize as newton
+from gridgen_sym.solvers.newton.minimize import minimize
+from gridgen_sym.solvers.newton.nonlinear_elimination import eliminate, sweep_standing_out
 from gridgen_sym.solvers.problem import Problem, make_problem
-from gridgen_sym.solvers.progress import Progress
-
-from .conftest import BARRIER
+from gridgen_sym.solvers.run.deadline import Deadline
+from gridgen_sym.solvers.run.progress import Progress
 
 SIZE = 65
 each_barrier = pytest.mark.parametrize("name", BARRIER)

@@ -6,9 +6,9 @@ import pytest
 from support_boundaries import grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
-from gridgen_sym.grids.conflict import LITTLE_WORK, WORK
-from gridgen_sym.solvers import run
-from gridgen_sym.solvers.deadline import StopRequest
+from gridgen_sym.certificates.conflict import LITTLE_WORK, WORK
+from gridgen_sym.solvers import minimization as run
+from gridgen_sym.solvers.run.deadline import StopRequest
 
 SLIVER, CONFLICT = (gg.Certificate(kind, (), (0.0, 0.0), {}, f"a {kind}") for kind in ("sliver", "conflict"))
 

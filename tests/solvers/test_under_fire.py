@@ -16,13 +16,13 @@ from support_boundaries import (
     star_polygon,
     valid_grids,
 )
+from support_solvers import BARRIER, METHODS, edges, farthest
 
 import gridgen_sym as gg
 from gridgen_sym.solvers.folds import Folds
-from gridgen_sym.solvers.lift import lift
-from gridgen_sym.solvers.progress import Progress
+from gridgen_sym.solvers.run.progress import Progress
+from gridgen_sym.solvers.untangling.lift import lift
 
-from .conftest import BARRIER, METHODS, edges, farthest
 from .test_never_worse import SOLVERS
 
 #: A run of a small grid takes hundreds of steps at most; this many mean that it would not end.

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-import gridgen_sym as gg
-
-from .conftest import (
+from support_solvers import (
     METHODS,
     assert_consistent,
     energy_differences,
@@ -16,6 +13,8 @@ from .conftest import (
     mild_grid,
     relative,
 )
+
+import gridgen_sym as gg
 
 
 @pytest.fixture

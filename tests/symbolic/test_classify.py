@@ -9,13 +9,13 @@ from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.functionals.metric import symbol
 from gridgen_sym.symbolic import classify
-from gridgen_sym.symbolic.classify import equation_type, is_null_lagrangian
+from gridgen_sym.symbolic.classify.classification import equation_type, is_null_lagrangian
+from gridgen_sym.symbolic.classify.invariance import is_rotation_invariant
+from gridgen_sym.symbolic.classify.principal_symbol import is_large, k1, k2, principal_symbol
 from gridgen_sym.symbolic.coordinates import METRIC, J, expand_metric, g11, g12, g22, x_xi
 from gridgen_sym.symbolic.definiteness import is_high
-from gridgen_sym.symbolic.discrete import corner_model
-from gridgen_sym.symbolic.invariance import is_rotation_invariant
-from gridgen_sym.symbolic.principal_symbol import is_large, k1, k2, principal_symbol
-from gridgen_sym.symbolic.tidy import tidy
+from gridgen_sym.symbolic.derive.discrete import corner_model
+from gridgen_sym.symbolic.report.tidy import tidy
 
 # linear, coupled, type, proof, scaling degree, lower bound, barrier
 KNOWN = {

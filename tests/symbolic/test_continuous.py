@@ -25,8 +25,8 @@ from gridgen_sym.symbolic.coordinates import (
     xi,
     y,
 )
-from gridgen_sym.symbolic.discrete import variant_density
-from gridgen_sym.symbolic.verify import verify
+from gridgen_sym.symbolic.derive.discrete import variant_density
+from gridgen_sym.symbolic.paper.verify import verify
 
 X, Y = sympy.Function("X")(xi, eta), sympy.Function("Y")(xi, eta)
 # A map with J > 0 at the points below, and weights that depend on everything they may depend on.

@@ -10,8 +10,8 @@ from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.symbolic import classify, corner_model, derive_latex, derive_text, euler_lagrange
 from gridgen_sym.symbolic.coordinates import FIRST_DERIVATIVES, SECOND_DERIVATIVES, expand_metric
-from gridgen_sym.symbolic.report_sections import Quasilinear, sections
-from gridgen_sym.symbolic.tidy import common_factor, paper_order, tidy
+from gridgen_sym.symbolic.report.sections import Quasilinear, sections
+from gridgen_sym.symbolic.report.tidy import common_factor, paper_order, tidy
 
 
 @pytest.mark.parametrize("name", functionals())
@@ -102,6 +102,6 @@ def test_what_is_not_rational_stays_as_it_was_derived():
 
 
 def test_a_sentence_is_safe_for_latex():
-    from gridgen_sym.symbolic.report_latex import latex_sentence
+    from gridgen_sym.symbolic.report.latex import latex_sentence
 
     assert latex_sentence("50% of k_A & J² < #1") == r"50\% of k\_A \& J$^2$ $<$ \#1"

@@ -9,7 +9,7 @@ import sympy
 
 from gridgen_sym.functionals.paper import PRINTED
 from gridgen_sym.symbolic import verify
-from gridgen_sym.symbolic.notation import read
+from gridgen_sym.symbolic.paper.notation import read
 
 BY_KEY = {equation.key: equation for equation in PRINTED}
 EXPECTED = {

@@ -1,0 +1,54 @@
+"""Write the pages of the site that derive themselves; an extension of Sphinx, named in `docs/conf.py`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from gridgen_sym.codegen.render import render_page
+from gridgen_sym.documentation.functional_page import write_functional_page, write_if_changed
+from gridgen_sym.functionals import functional, functionals, is_builtin
+from gridgen_sym.symbolic import classify
+
+from .paper_pages import write_paper_pages
+from .reference_pages import write_reference_pages
+
+#: Files of the repository that other pages link to, and the pages of the site that show them.
+_PAGES_OF_FILES = {"../benchmarks/README.md": "benchmarks_method.md", "../CHANGELOG.md": "reference/changelog.md"}
+
+
+def setup(app: Any) -> dict[str, bool]:  # noqa: ANN401 - Sphinx may be missing where this is read
+    """Have the pages written before Sphinx looks for its sources."""
+    app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir)))
+    app.connect("source-read", _stay_on_the_site)
+    app.connect("autodoc-process-docstring", _keep_bars)
+    return {"parallel_read_safe": True}
+
+
+def _stay_on_the_site(app: Any, page: str, source: list[str]) -> None:  # noqa: ANN401
+    """Lead links to files of the repository to the pages that show them."""
+    for file, shown in _PAGES_OF_FILES.items():
+        source[0] = source[0].replace(f"]({file})", f"]({shown})")
+
+
+def _keep_bars(app: Any, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:  # noqa: ANN401
+    """Show a norm such as |g1| of a docstring as it is: to reStructuredText it is a name to be replaced."""
+    lines[:] = [line.replace("|", r"\|") for line in lines]
+
+
+def write_pages(docs: Path) -> None:
+    """Write every derived page below the folder of the site's sources."""
+    _write_functionals(docs / "functionals")
+    write_paper_pages(docs / "paper")
+    write_reference_pages(docs / "reference")
+
+
+def _write_functionals(folder: Path) -> None:
+    folder.mkdir(exist_ok=True)
+    # A script of the gallery may have defined one of its own by now.
+    found = [classify(functional(name)) for name in functionals() if is_builtin(name)]
+    for one in found:
+        write_functional_page(one.functional, folder)
+    for page in set(folder.glob("*.md")) - {folder / f"{one.functional.name}.md" for one in found}:
+        page.unlink()
+    write_if_changed(folder / "index.md", render_page("functionals_index.md.jinja", found=found))

@@ -1,0 +1,232 @@
+"""Outlines: closed curves with four corners, checked, read and written, and the grids inside them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from ..atomic import read_bytes, write_bytes
+from ..errors import GridgenError
+from ..grids.grid import Grid, check_counts
+from ..grids.transfinite import transfinite
+from ..messages import say
+from .corners import CornerChoice, Corners, automatic_corners
+from .outline_checks import checked_corners, checked_points, corners_of_turns, crossing_text, run_backwards
+from .outline_file import parse_outline
+from .outline_sides import check_sampling, corner_choice, rolled, sampled_sides
+from .polygon import first_crossing, first_repeated, is_clockwise
+from .sampling import Sampling
+
+#: Nodes of the grid for which an outline's own corners are chosen automatically.
+_NOMINAL = 65
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False)
+class Outline:
+    """A closed curve with four corners: a simple polygon that runs counter-clockwise.
+
+    With the corners c0 = 0 < c1 < c2 < c3, bottom is points c0..c1, right c1..c2, top c2..c3 (from right to
+    left) and left c3..N, 0 (downwards).
+
+    Attributes:
+        points: the vertices, shape (N, 2), read-only; the last is not a copy of the first.
+        corners: the indices of the four corners.
+        name: what to call it in messages.
+    """
+
+    points: Array
+    corners: Corners
+    name: str
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        corners: ArrayLike | Literal["auto"],
+        name: str = "outline",
+        *,
+        reorient: bool = True,
+    ) -> None:
+        """Copy and check an outline.
+
+        Args:
+            points: shape (N, 2), N >= 4, finite, no two in succession equal, not crossing itself. Copies of the first
+                point at the end, by which many programs say that a curve is closed, are left out.
+            corners: four indices in the order of the points; or N marks, 1 at the four corners and 0 elsewhere, as
+                pygridgen's `beta`; or 'auto': the best four for a square of cells, see `choose_corners`. The points
+                are rolled so that the first corner comes first.
+            name: what to call it in messages.
+            reorient: run a clockwise curve backwards from its second corner, which is said: bottom and top stay on
+                their curves, left and right change places. Without it such a curve is refused.
+
+        Raises:
+            GridgenError: naming the outline, the fault, its place and the repair.
+        """
+        array = checked_points(points, name)
+        automatic, checked = isinstance(corners, str) and corners == "auto", (0, 1, 2, 3)
+        if not automatic:
+            marked = corners_of_turns(corners, array, name)
+            chosen = checked_corners(corners if marked is None else marked, len(array), name)
+            array, checked = rolled(array, chosen)
+        crossing = first_crossing(array)
+        if crossing is not None:
+            raise GridgenError(f"the outline '{name}' crosses or touches itself: {crossing_text(array, crossing)}")
+        clockwise = is_clockwise(array)
+        if clockwise and not reorient:
+            raise GridgenError(f"the outline '{name}' runs clockwise; expected counter-clockwise, or reorient=True")
+        if clockwise:
+            array, checked = run_backwards(array, checked)
+            ways = "" if automatic else " from corner 1: bottom and top stay, left and right change places"
+            say(f"the outline '{name}' runs clockwise, and is taken backwards{ways}")
+        if automatic:
+            array, checked = rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
+        array.setflags(write=False)
+        for field, value in (("points", array), ("corners", checked), ("name", name)):
+            object.__setattr__(self, field, value)
+
+    @classmethod
+    def read(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        corners: ArrayLike | Literal["auto"] | None = None,
+        reorient: bool = True,
+    ) -> Outline:
+        """Read an outline from a text file.
+
+        The file has comment lines (``# name: NAME`` and ``# corners: c0 c1 c2 c3``; others are ignored), perhaps the
+        header ``x,y``, and one line for each point, with a comma, a semicolon, a tab or blanks between x and y.
+
+        Args:
+            path: the file.
+            corners: instead of those of the file, which then need not have any; as for `Outline`.
+            reorient: as for `Outline`.
+
+        Raises:
+            GridgenError: if the file is missing or malformed (with the line's number), or its curve is no
+                outline.
+        """
+        text = read_bytes(path).decode("utf-8-sig", errors="replace")
+        name, listed, points = parse_outline(text, path)
+        chosen = listed if corners is None else corners
+        if chosen is None:
+            raise GridgenError(
+                f"cannot read {path}: it has no corners; add a line like '# corners: 0 10 20 30' above its points, or "
+                "let them be chosen with corners='auto' (--corners auto)"
+            )
+        try:
+            return cls(points, chosen, name or Path(path).stem, reorient=reorient)
+        except GridgenError as error:
+            raise GridgenError(f"cannot use {path}: {error}") from error
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the outline in the format that `read` reads, with 17 significant digits.
+
+        Raises:
+            GridgenError: if no file can be written there.
+        """
+        head = [
+            f"# name: {' '.join(self.name.split())}",
+            f"# corners: {' '.join(map(str, self.corners))}",
+            "x,y",
+        ]
+        lines = [*head, *(f"{x:.17g},{y:.17g}" for x, y in self.points.tolist()), ""]
+        write_bytes(path, "\n".join(lines).encode())
+
+    def choose_corners(
+        self,
+        ni: int,
+        nj: int,
+        corners: ArrayLike | Literal["auto"] | None = None,
+        sampling: Sampling = "features",
+    ) -> CornerChoice:
+        """Return the corners of a grid of ni x nj nodes, and how good they are.
+
+        Args:
+            ni: nodes along bottom and top.
+            nj: nodes along left and right.
+            corners: None for those of the outline, of which one at which the boundary nodes make a straight or reflex
+                angle (170 degrees or more) is moved to the nearest convex turn; 'auto' for the choice of least
+                penalty (see `CornerChoice`), moved likewise; or four indices of points, which are kept.
+            sampling: as for `sides`.
+
+        Raises:
+            GridgenError: for fewer than 3 nodes, or corners or a sampling that are none of these.
+        """
+        check_counts(ni, nj)
+        check_sampling(sampling)
+        if isinstance(corners, str) and corners == "auto":
+            wanted = automatic_corners(self.points, ni, nj)
+        else:
+            wanted = self.corners if corners is None else checked_corners(corners, len(self.points), self.name)
+        keep = not (corners is None or isinstance(corners, str))
+        return corner_choice(self.points, self.name, wanted, (ni, nj), sampling, keep=keep)
+
+    def sides(
+        self,
+        ni: int,
+        nj: int,
+        corners: ArrayLike | Literal["auto"] | None = None,
+        sampling: Sampling = "features",
+    ) -> tuple[Array, Array, Array, Array]:
+        """Sample bottom, top, shape (ni, 2), and left, right, shape (nj, 2).
+
+        They run as the sides of a grid do. Corners are kept bit by bit.
+
+        Args:
+            ni: nodes along bottom and top.
+            nj: nodes along left and right.
+            corners: as for `choose_corners`; a moved corner is told on standard error.
+            sampling: 'features' keeps sharp turns of the outline as nodes where there are nodes enough, and lets the
+                spacing vary smoothly between them; 'equal' has nodes at equal arc lengths of each side's polygon.
+
+        Raises:
+            GridgenError: as for `choose_corners`.
+        """
+        choice = self.choose_corners(ni, nj, corners, sampling)
+        if choice.message:
+            say(choice.message)
+        bottom, right, top, left = sampled_sides(self.points, choice.corners, (ni, nj), sampling)
+        return bottom, top[::-1], left[::-1], right
+
+    def grid(
+        self,
+        ni: int,
+        nj: int,
+        corners: ArrayLike | Literal["auto"] | None = None,
+        sampling: Sampling = "features",
+    ) -> Grid:
+        """Return the transfinite grid of ni x nj nodes between the sides that `sides` samples.
+
+        Raises:
+            GridgenError: as for `sides`, and when two of the sampled nodes are one point or their polygon crosses
+                itself, so that any grid would have folded or overlapping cells.
+        """
+        bottom, top, left, right = self.sides(ni, nj, corners, sampling)
+        ring = np.concatenate((bottom[:-1], right[:-1], top[:0:-1], left[:0:-1]))
+        fault = f"with {ni} x {nj} nodes the sampled boundary of '{self.name}'"
+        repeated = first_repeated(ring)
+        if repeated is not None:
+            raise GridgenError(f"{fault} has two nodes at the point {ring[repeated].tolist()}; take fewer nodes")
+        crossing = first_crossing(ring)
+        if crossing is not None:
+            raise GridgenError(
+                f"{fault} crosses itself, so that no valid grid exists: {crossing_text(ring, crossing)} (counted along "
+                "the sampled boundary); take more nodes"
+            )
+        return transfinite(bottom, top, left, right)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether `other` has the same points and corners; names do not matter."""
+        if not isinstance(other, Outline):
+            return NotImplemented
+        return self.corners == other.corners and np.array_equal(self.points, other.points)
+
+    def __hash__(self) -> int:
+        """Agree with `==`."""
+        return hash((self.corners, (self.points + 0.0).tobytes()))

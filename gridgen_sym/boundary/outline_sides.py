@@ -1,0 +1,69 @@
+"""The boundary nodes of a grid on an outline's sides, and the choice of the corners between the sides."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import GridgenError
+from .corners import CornerChoice, Corners, corner_penalty, settled_corners
+from .polygon import inner_angles
+from .sampling import Sampling, sample
+
+
+def check_sampling(sampling: str) -> None:
+    """Raise a `GridgenError` unless there is such a sampling."""
+    if sampling not in ("features", "equal"):
+        raise GridgenError(f"sampling must be 'features' or 'equal', but is {sampling!r}")
+
+
+def rolled(points: Array, corners: Corners) -> tuple[Array, Corners]:
+    """Roll a curve so that its first corner comes first."""
+    c0, c1, c2, c3 = ((corner - corners[0]) % len(points) for corner in corners)
+    return np.roll(points, -corners[0], axis=0), (c0, c1, c2, c3)
+
+
+def sampled_sides(points: Array, corners: Corners, nodes: tuple[int, int], sampling: Sampling) -> list[Array]:
+    """Return the ni, nj, ni and nj nodes of bottom, right, top and left, all counter-clockwise."""
+    line, places = rolled(points, corners)
+    closed = np.concatenate((line, line[:1]))
+    pieces = (closed[first : last + 1] for first, last in pairwise((*places, len(points))))
+    return [sample(piece, count, sampling) for piece, count in zip(pieces, (*nodes, *nodes), strict=True)]
+
+
+def corner_choice(
+    points: Array, name: str, wanted: Corners, nodes: tuple[int, int], sampling: Sampling, *, keep: bool
+) -> CornerChoice:
+    """Return the corners of a grid with so many nodes, and how good they are.
+
+    Args:
+        points: the vertices of the outline.
+        name: what to call it in the message.
+        wanted: the corners.
+        nodes: the numbers of nodes (ni, nj).
+        sampling: as for `Outline.sides`.
+        keep: whether they are kept; otherwise those at which no valid grid could exist are moved.
+    """
+
+    def angles_of(corners: Corners) -> Array:
+        return _corner_angles(sampled_sides(points, corners, nodes, sampling))
+
+    chosen, moved = (wanted, ()) if keep else settled_corners(points, wanted, nodes, angles_of)
+    before, after = angles_of(wanted), angles_of(chosen)
+    a0, a1, a2, a3 = after.tolist()
+    penalty = float(corner_penalty(points, np.array([chosen]), *nodes)[0])
+    said = "; ".join(
+        f"corner {k} of '{name}' is moved from point {wanted[k]}, where the boundary's nodes make an angle of "
+        f"{before[k]:.4g} degrees, to point {chosen[k]}, where they make {after[k]:.4g}"
+        for k in moved
+    )
+    said += "; give the corners as indices to keep them where they are" if said else ""
+    return CornerChoice(chosen, (a0, a1, a2, a3), penalty, moved, said)
+
+
+def _corner_angles(sides: list[Array]) -> Array:
+    """Return the inner angles in degrees between the nodes at the four corners of counter-clockwise sides."""
+    before = np.array([sides[k - 1][-2] for k in range(4)])
+    return inner_angles(before, np.array([side[0] for side in sides]), np.array([side[1] for side in sides]))

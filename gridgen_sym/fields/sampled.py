@@ -1,0 +1,215 @@
+"""Fields known by samples only: on a grid, at scattered points or on a raster, as functions of x and y.
+
+SciPy interpolates. Values between samples are linear by default, so that no weight becomes negative between
+positive samples; a `smooth` field is a cubic that has the derivatives that a differentiated weight needs. Outside the
+samples (of scattered points: outside their convex hull) the nearest value counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..arrays import Array, real_array
+from ..errors import GridgenError
+from ..grids import Grid
+from ..grids.grid import check_grid
+
+#: Fewer samples span no plane, and less than a grid of cubics in either direction.
+_FEWEST_POINTS, _FEWEST_SMOOTH = 3, 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SampledField:
+    """A function of x and y that interpolates samples; call it with two arrays.
+
+    Attributes:
+        kind: what the samples are, in words.
+        derivative: (x, y, dx, dy) gives the derivative of these orders; None where there is none in closed form.
+    """
+
+    kind: str
+    derivative: Callable[[Array, Array, int, int], Array] | None
+    _value: Callable[[Array, Array], Array]
+    _covers: Callable[[Array, Array], npt.NDArray[np.bool_]]
+
+    def __call__(self, x: Array, y: Array) -> Array:
+        """Return the values at points; outside the samples, the nearest one."""
+        return self._value(x, y)
+
+    def outside(self, x: Array, y: Array) -> int:
+        """Return how many points lie outside the samples, where the nearest value is taken."""
+        return int((~self._covers(x, y)).sum())
+
+    def __repr__(self) -> str:
+        """Say what it is."""
+        return f"<field sampled {self.kind}>"
+
+
+def scattered_field(points: npt.ArrayLike, values: npt.ArrayLike, *, smooth: bool = False) -> SampledField:
+    """Interpolate samples at scattered points on their Delaunay triangles.
+
+    Linear on each triangle (SciPy's `LinearNDInterpolator`), or `smooth`: Clough and Tocher's cubic, which has
+    continuous slopes (`CloughTocher2DInterpolator`). Radial basis functions were not taken: they cost the cube of
+    the number of points and overshoot at fronts.
+
+    Args:
+        points: (n, 2), at least three, not all on one line.
+        values: (n,).
+        smooth: whether slopes must be continuous.
+
+    Raises:
+        GridgenError: for other shapes, samples that are not finite, or points on one line.
+    """
+    place, value = real_array(points, "the points of samples"), real_array(values, "the values of samples")
+    if place.ndim != 2 or place.shape[1] != 2 or value.shape != place.shape[:1] or len(place) < _FEWEST_POINTS:
+        raise GridgenError(
+            f"scattered samples need points of shape (n, 2) and values of shape (n,), n at least {_FEWEST_POINTS}; "
+            f"came {place.shape} and {value.shape}"
+        )
+    _check_finite(np.column_stack((place, value)), "point")
+    return _triangulated(place, value, f"at {len(place)} points", smooth=smooth)
+
+
+def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False) -> SampledField:
+    """Interpolate values at the nodes of a grid, or at the centers of its cells, as `scattered_field` does.
+
+    Args:
+        grid: the grid of the samples.
+        values: (ni, nj), one per node, or (ni-1, nj-1), one per cell.
+        smooth: whether slopes must be continuous.
+
+    Raises:
+        GridgenError: for values of another shape, or that are not finite.
+    """
+    check_grid(grid)
+    value, (ni, nj) = real_array(values, "the values of samples"), grid.shape
+    if value.shape == (ni - 1, nj - 1):
+        value = nodal(value)
+    if value.shape != (ni, nj):
+        raise GridgenError(
+            f"values on a grid must be one per node, shape {(ni, nj)}, or one per cell, shape {(ni - 1, nj - 1)}; "
+            f"came {value.shape}"
+        )
+    _check_finite(value[..., np.newaxis], "node")
+    return _triangulated(grid.xy.reshape(-1, 2), value.ravel(), f"on a grid of {ni} x {nj} nodes", smooth=smooth)
+
+
+def raster_field(x: npt.ArrayLike, y: npt.ArrayLike, values: npt.ArrayLike, *, smooth: bool = False) -> SampledField:
+    """Interpolate a rectilinear raster, such as an elevation model.
+
+    Bilinear (SciPy's `RegularGridInterpolator`), or `smooth`: the bicubic spline `RectBivariateSpline`, whose
+    derivatives are exact.
+
+    Args:
+        x: (nx,), strictly increasing or strictly decreasing.
+        y: (ny,), the same.
+        values: (nx, ny): the first axis is x. Images are often stored the other way round: pass their transpose.
+        smooth: whether first and second derivatives must be continuous.
+
+    Raises:
+        GridgenError: for other shapes, coordinates that are not in order, or samples that are not finite.
+    """
+    axes = [real_array(axis, f"the raster's {name}") for axis, name in ((x, "x"), (y, "y"))]
+    value = real_array(values, "the raster's values")
+    fewest = _FEWEST_SMOOTH if smooth else 2
+    for axis, name in zip(axes, "xy", strict=True):
+        steps = np.diff(axis) if axis.ndim == 1 else np.zeros(1)
+        if len(axis) < fewest or not (np.all(steps > 0) or np.all(steps < 0)):
+            raise GridgenError(f"the raster's {name} must be at least {fewest} coordinates in order, shape (n,)")
+    if value.shape != (len(axes[0]), len(axes[1])):
+        other = " Pass the transpose of the values." if value.shape == (len(axes[1]), len(axes[0])) else ""
+        raise GridgenError(
+            f"the raster's values must have the shape (nx, ny) = {(len(axes[0]), len(axes[1]))}; came {value.shape}."
+            f"{other}"
+        )
+    _check_finite(value[..., np.newaxis], "sample")
+    for k in range(2):
+        if axes[k][0] > axes[k][-1]:
+            axes[k], value = axes[k][::-1], np.flip(value, k)
+    return _spline(axes, value) if smooth else _bilinear(axes, value)
+
+
+def nodal(cells: Array) -> Array:
+    """Return values per cell, (ni-1, nj-1), as values per node, (ni, nj): the mean over the cells round each node."""
+    padded = np.pad(cells, 1, mode="edge")
+    mean: Array = (padded[1:, 1:] + padded[:-1, 1:] + padded[1:, :-1] + padded[:-1, :-1]) / 4
+    return mean
+
+
+def _check_finite(samples: Array, what: str) -> None:
+    bad = ~np.isfinite(samples).all(axis=-1)
+    if bad.any():
+        first = np.argwhere(bad)[0]
+        where = int(first[0]) if len(first) == 1 else tuple(int(k) for k in first)
+        raise GridgenError(
+            f"samples must be finite: {what} {where} is not, the first of {int(bad.sum())}: leave such samples out, "
+            "or fill them"
+        )
+
+
+def _triangulated(points: Array, values: Array, kind: str, *, smooth: bool) -> SampledField:
+    from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator
+    from scipy.spatial import Delaunay, QhullError, cKDTree
+
+    try:
+        triangles = Delaunay(points)
+    except QhullError as error:
+        raise GridgenError("samples must not all lie on one line: give points that span the plane") from error
+    inside = (CloughTocher2DInterpolator if smooth else LinearNDInterpolator)(triangles, values)
+    tree: Any = cKDTree(points)
+
+    def value(x: Array, y: Array) -> Array:
+        found: Array = inside(x, y)
+        lost = np.isnan(found)
+        if lost.any():
+            found[lost] = values[tree.query(np.stack((x[lost], y[lost]), axis=-1))[1]]
+        return found
+
+    def covers(x: Array, y: Array) -> npt.NDArray[np.bool_]:
+        return np.asarray(triangles.find_simplex(np.stack((x, y), axis=-1)) >= 0)
+
+    return SampledField(kind, None, value, covers)
+
+
+def _clipped(axes: list[Array]) -> Callable[[Array, Array], tuple[Array, Array]]:
+    """Return what moves points outside a raster to the nearest point of its edge."""
+    return lambda x, y: (np.clip(x, axes[0][0], axes[0][-1]), np.clip(y, axes[1][0], axes[1][-1]))
+
+
+def _inside(axes: list[Array]) -> Callable[[Array, Array], npt.NDArray[np.bool_]]:
+    (left, right), (low, high) = ((axis[0], axis[-1]) for axis in axes)
+    return lambda x, y: (x >= left) & (x <= right) & (y >= low) & (y <= high)
+
+
+def _raster_kind(axes: list[Array]) -> str:
+    return f"on a raster of {len(axes[0])} x {len(axes[1])} points"
+
+
+def _bilinear(axes: list[Array], values: Array) -> SampledField:
+    from scipy.interpolate import RegularGridInterpolator
+
+    interpolator, clip = RegularGridInterpolator(axes, values), _clipped(axes)
+    return SampledField(
+        _raster_kind(axes), None, lambda x, y: interpolator(np.stack(clip(x, y), axis=-1)), _inside(axes)
+    )
+
+
+def _spline(axes: list[Array], values: Array) -> SampledField:
+    from scipy.interpolate import RectBivariateSpline
+
+    spline, clip, inside = RectBivariateSpline(*axes, values), _clipped(axes), _inside(axes)
+
+    def derivative(x: Array, y: Array, dx: int, dy: int) -> Array:
+        slope: Array = spline.ev(*clip(x, y), dx=dx, dy=dy)
+        # Beyond an edge the field is constant across it.
+        for k, (place, order) in enumerate(((x, dx), (y, dy))):
+            if order:
+                slope = np.where((place < axes[k][0]) | (place > axes[k][-1]), 0.0, slope)
+        return slope
+
+    return SampledField(_raster_kind(axes), derivative, lambda x, y: spline.ev(*clip(x, y)), inside)

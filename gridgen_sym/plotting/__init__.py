@@ -1,0 +1,5 @@
+"""Pictures of grids and of certificates, with Matplotlib (extra `plot`)."""
+
+from .certificates import plot_certificates as plot_certificates
+from .grids import plot_grid as plot_grid
+from .grids import plot_grids as plot_grids

@@ -1,0 +1,184 @@
+"""Pictures of grids, drawn with Matplotlib, which is loaded only here and only when a picture is wanted."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..arrays import Array
+from ..atomic import write_bytes
+from ..errors import GridgenError, MissingExtraError
+from ..grids.grid import Grid, check_grid
+from ..grids.quality import quality
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST_LINES = 260  # Along each axis: more would run together to a black area, and make huge vector files.
+MOST_FOLDS = 20_000  # Of more folded cells every n-th is drawn; all are counted.
+_INK, _EDGE, ALARM = "#26323d", "#0b1016", "#d7191c"
+
+
+def plot_grid(
+    grid: Grid,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    title: str | None = None,
+    ax: Axes | None = None,
+) -> Figure:
+    """Draw a grid: its lines, its boundary a little thicker, its folded cells red and counted.
+
+    Args:
+        grid: the grid; of more than 260 lines along an axis every n-th is drawn, and the title says so.
+        path: where to write the picture (``.png``, ``.pdf`` or ``.svg``), whole or not at all; None to write
+            nothing.
+        title: the text above the picture.
+        ax: axes to draw on; None to make a figure for it.
+
+    Returns:
+        The figure, which belongs to no window and no global state.
+
+    Raises:
+        MissingExtraError: if Matplotlib is not installed.
+        GridgenError: if the picture's suffix is unknown or it cannot be written.
+    """
+    check_grid(grid)
+    if ax is None:
+        ax = _figure(grid).add_subplot()
+    draw_grid(ax, grid, title)
+    figure = ax.figure.figure  # The axes may stand in a subfigure: take the whole.
+    if path is not None:
+        save(figure, path)
+    return figure
+
+
+def plot_grids(
+    grids: Sequence[tuple[str, Grid]], path: str | os.PathLike[str] | None = None, *, columns: int = 3
+) -> Figure:
+    """Draw several grids side by side, each with its title; otherwise as `plot_grid`.
+
+    Args:
+        grids: pairs of a title and a grid, at least one.
+        path: where to write the picture; None to write nothing.
+        columns: how many panels stand in a row.
+
+    Raises:
+        GridgenError: if there are no grids or no columns, and as for `plot_grid`.
+        MissingExtraError: if Matplotlib is not installed.
+    """
+    if not grids or columns < 1:
+        raise GridgenError(f"a picture in panels needs a grid and a column, but has {len(grids)} and {columns}")
+    for pair in grids:
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise GridgenError(f"a picture in panels takes pairs of a title and a grid; came {pair!r}")
+        check_grid(pair[1])
+    across = min(columns, len(grids))
+    down = -(-len(grids) // across)
+    figure = new_figure(3.6 * across, 3.6 * down)
+    for k, (title, grid) in enumerate(grids):
+        draw_grid(figure.add_subplot(down, across, k + 1), grid, title, ink=0.6)
+    if path is not None:
+        save(figure, path)
+    return figure
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure, made without pyplot and so without its global state."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtraError("drawing a picture", "plot", "matplotlib") from error
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def _figure(grid: Grid) -> Figure:
+    """Return an empty figure about as wide and high as the grid asks for."""
+    width, height = np.ptp(grid.planes / 2, axis=(1, 2)).tolist()
+    largest = max(width, height) or 1.0
+    return new_figure(*(1.0 + 6.0 * float(np.clip(side / largest, 0.3, 1.0)) for side in (width, height)))
+
+
+def draw_grid(ax: Axes, grid: Grid, title: str | None, ink: float = 1.0) -> None:
+    """Draw one grid on axes; `ink` scales the widths of its lines, for small panels."""
+    from matplotlib.collections import LineCollection
+
+    step = max(1, -(-max(grid.shape) // MOST_LINES))
+    # With fewer lines each can be thicker; in the thinnest the cells can still be told apart.
+    width = ink * float(np.clip(30.0 / max(grid.shape), 0.25, 0.8))
+    ax.add_collection(LineCollection(_lines(grid, step), colors=_INK, linewidths=width, zorder=2))
+    xy = grid.xy
+    boundary = [xy[:, 0], xy[-1], xy[:, -1], xy[0]]
+    ax.add_collection(LineCollection(boundary, colors=_EDGE, linewidths=width + 0.6 * ink, zorder=3, capstyle="round"))
+    _mark_folds(ax, grid)
+    ax.set_aspect("equal")
+    ax.autoscale_view()
+    ax.margins(0.04)
+    ax.tick_params(labelsize=7, color="#8a949e", labelcolor="#56616b")
+    for spine in ax.spines.values():
+        spine.set_color("#c9d0d6")
+    thinned = f"one line in {step} is drawn" if step > 1 else ""
+    text = "\n".join(part for part in (title, thinned) if part)
+    if text:
+        ax.set_title(text, fontsize=10)
+
+
+def _lines(grid: Grid, step: int) -> list[Array]:
+    """Return every `step`-th grid line of either family; the boundary is drawn apart."""
+    xy = grid.xy
+    return [*xy[::step], *(xy[:, j] for j in range(0, xy.shape[1], step))]
+
+
+def _mark_folds(ax: Axes, grid: Grid) -> None:
+    """Fill the folded cells, and mark their centers with dots that stay visible in any grid."""
+    from matplotlib.collections import PolyCollection
+
+    report = quality(grid)
+    if report.valid:
+        return
+    count = report.folded_cells
+    shown = slice(None, None, -(-count // MOST_FOLDS))
+    i, j = report.folded[shown].T
+    corners = grid.planes[:, [i, i + 1, i + 1, i], [j, j, j + 1, j + 1]].transpose(2, 1, 0)
+    ax.add_collection(PolyCollection(list(corners), facecolors=ALARM, edgecolors="none", alpha=0.5, zorder=4))
+    label = f"{count} folded cell{'s' if count > 1 else ''}"
+    x, y = report.folded_centers[shown].T
+    ax.plot(
+        x,
+        y,
+        linestyle="none",
+        marker="o",
+        markersize=3 if count <= 200 else 1.5,
+        markeredgewidth=0,
+        color=ALARM,
+        zorder=5,
+        label=label,
+    )
+    ax.legend(
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.08),
+        fontsize=8,
+        frameon=False,
+        markerscale=1 if count <= 200 else 2,
+    )
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write the picture, whole or not at all."""
+    suffix = Path(path).suffix.lower().removeprefix(".")
+    known = figure.canvas.get_supported_filetypes()
+    if suffix not in known:
+        raise GridgenError(
+            f"cannot write the picture {path}: its suffix must be one of "
+            f"{', '.join('.' + key for key in sorted(known))}"
+        )
+    stream = io.BytesIO()
+    # The first pass of the layout does not yet know the panels of equal scales, and cuts their titles off.
+    figure.draw_without_rendering()
+    figure.savefig(stream, format=suffix, dpi=160, bbox_inches="tight", pad_inches=0.06)
+    write_bytes(path, stream.getvalue())

@@ -1,0 +1,1 @@
+"""The discrete Euler–Lagrange equations, by Newton's method or by relaxation."""

@@ -1,0 +1,168 @@
+"""Solve the Euler–Lagrange equations of a functional by central differences on the 9-point stencil.
+
+Newton's method uses the generated Jacobian; relaxation holds the coefficients of the second derivatives while every
+node solves its own equations: for the Winslow functional this is what the literature calls the Winslow or TTM solver.
+Logical coordinates have unit spacing, as the discrete functionals do; see `spacing`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ...errors import GridgenError
+from ...fields.weight import Source, Weight
+from ...functionals.definition import Functional
+from ...functionals.registry import functional
+from ...grids import Grid, corner_jacobians
+from ..minimization import Run
+from ..newton.minimize import minimize
+from ..problem import Problem, make_problem
+from ..run.checks import check_controls
+from ..run.deadline import Deadline, Stop
+from ..run.progress import Callback, Progress
+from ..run.result import Result
+from ..run.stopping import run_to_result
+from .newton import solve_by_newton
+from .relaxation import solve_by_relaxation
+from .residual import Equations
+
+#: How near to the minimum a grid is brought that was folded at the start.
+_NEAR, _STEPS_NEAR = 1e-2, 50
+_FOLDED = "The grid was folded at the start; it was untangled and brought near the minimum of the energy first: "
+#: Newton steps, or sweeps, where the caller does not say.
+_LIMITS = {"newton": 200, "relaxation": 100_000}
+
+
+def solve_euler_lagrange(
+    grid: Grid,
+    name: str | Functional,
+    method: Literal["newton", "relaxation"] = "newton",
+    *,
+    weight: Weight | Source | None = None,
+    fixed: npt.ArrayLike | None = None,
+    parameters: Mapping[str, float] | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int | None = None,
+    relaxation: float | None = None,
+    spacing: tuple[float, float] = (1.0, 1.0),
+    keep_valid: bool = True,
+    callback: Callback | None = None,
+    time_limit: float | None = None,
+    progress: bool | None = None,
+    backend: str | None = None,
+) -> Result:
+    """Solve the Euler–Lagrange equations of a functional for the positions of the free nodes; the boundary stays.
+
+    Args:
+        grid: the start. Newton's method untangles a folded start of a barrier functional first.
+        name: the functional.
+        method: `newton`, or `relaxation` with frozen coefficients, node by node. For a barrier functional
+            Newton's method starts near the minimum of the discrete energy, which it finds first: on coarse grids, or
+            after untangling. These steps are not counted as iterations. Relaxation starts from `grid` as it is.
+        weight: the paper's adaptive function: formula, function, array or `Weight`.
+        fixed: (ni, nj) mask of inner nodes that do not move.
+        parameters: of the functional.
+        tolerance: factor by which the residual's norm must fall.
+        max_iterations: Newton steps, or sweeps.
+        relaxation: factor of a relaxation step; by default that which is best for Laplace's equation, and less
+            where it diverges.
+        spacing: of the logical coordinates; (1/(ni-1), 1/(nj-1)) for the unit square. It matters only where a
+            functional is not homogeneous in each direction.
+        keep_valid: from a valid start, return a valid grid: Newton's method takes no step that folds a cell, and where
+            relaxation ends in a folded solution, the best valid grid on the way is returned. The message says so. With
+            False the solution of the equations is returned, folded or not (Laplace's equations, for one, fold on many
+            domains).
+        callback: called with every `Step`, whose `gradient_norm` is the residual's norm; else as in `optimize`.
+        time_limit: as in `optimize`.
+        progress: show progress on standard error; by default where that is a terminal.
+        backend: `c` or `numpy`.
+
+    Raises:
+        GridgenError: for input that cannot be used.
+    """
+    if method not in ("newton", "relaxation"):
+        raise GridgenError(f"unknown method {method!r}: solve_euler_lagrange takes 'newton' or 'relaxation'")
+    check_controls(tolerance, max_iterations, callback, time_limit)
+    _check_numbers(spacing, relaxation)
+    definition = functional(name)
+
+    def make(on: Grid, inside: npt.ArrayLike | None = None) -> Problem:
+        return make_problem(on, definition, weight=weight, fixed=inside, parameters=parameters, backend=backend)
+
+    limit = _LIMITS[method] if max_iterations is None else max_iterations
+    title = f"Euler–Lagrange equations of {definition.name}"
+    with Progress(title, callback, progress, Deadline(time_limit)) as report:
+        run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
+        equations = Equations(run.problem, spacing)
+
+        def solve() -> tuple[bool, str]:
+            if method == "newton" and run.problem.kernels.barrier and limit and not _bring_near(run):
+                return False, run.could_not_unfold()
+            report.begin("solve", grid.shape)
+            if method == "relaxation":
+                return solve_by_relaxation(equations, run.coordinates, report, tolerance, limit, relaxation)
+            return solve_by_newton(equations, run.coordinates, report, tolerance, limit, keep_valid)
+
+        def result(converged: bool, message: str, stopped_by: Stop | None) -> Result:
+            converged, message = _choose(run, equations, converged, message, keep_valid)
+            return run.result(converged, message, stopped_by)
+
+        return run_to_result(solve, result, report)
+
+
+def _bring_near(run: Run) -> bool:
+    """Bring the grid near the minimum of the energy; return whether it is valid.
+
+    The minimum is near the solution of the equations, and coarse grids find it fast. A grid that is just unfolded is
+    far from a solution: the energy leads into its neighborhood, the residual's norm may not.
+    """
+    folded = run.to_untangle
+    run.start_from_coarse_grids()
+    unfolding = run.to_untangle
+    if not run.make_valid():
+        return False
+    if unfolding:
+        run.report.begin("minimize", run.problem.fixed.shape)
+        minimize(
+            run.problem,
+            run.coordinates,
+            run.report,
+            tolerance=_NEAR,
+            max_iterations=_STEPS_NEAR,
+            keep_valid=True,
+        )
+    run.problem.refresh(run.coordinates)
+    run.said = _FOLDED if folded else ""
+    return True
+
+
+def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> None:
+    """Refuse a spacing that is not two positive numbers, or a relaxation that must diverge."""
+    given = np.asarray(spacing, dtype=object).ravel()
+    numbers = [isinstance(value, (int, float, np.number)) and 0 < value < np.inf for value in given]
+    if numbers != [True, True]:
+        raise GridgenError(f"spacing must be two positive numbers, along xi and along eta; came {spacing!r}")
+    if relaxation is not None and not (isinstance(relaxation, (int, float, np.number)) and 0 < relaxation < 2):
+        raise GridgenError(f"expected a relaxation between 0 and 2; came {relaxation!r}")
+
+
+def _choose(run: Run, equations: Equations, converged: bool, message: str, keep_valid: bool) -> tuple[bool, str]:
+    """Choose the grid to return, and say what the type of the equations means for it."""
+    folded = not float(corner_jacobians(*run.coordinates).min()) > 0
+    if converged and folded and keep_valid and True in equations.best:
+        run.coordinates, converged = equations.best[True][1], False
+        message += (
+            " That solution is folded; this is the best valid grid on the way (keep_valid=False returns the solution)."
+        )
+    elif not converged and equations.best:
+        run.coordinates = equations.best[True in equations.best][1]
+        message += " This is the best valid grid on the way." if folded and True in equations.best else ""
+    kind = equations.problem.kernels.equation_type
+    if kind != "elliptic":
+        message += f" The equations are not elliptic ({kind}), so a solution need not exist or be unique."
+    equations.problem.refresh(run.coordinates)
+    return converged, message

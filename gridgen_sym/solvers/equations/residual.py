@@ -1,0 +1,57 @@
+"""The discrete Euler–Lagrange equations at the free nodes of a grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...arrays import Array
+from ...grids import corner_jacobians
+from ..problem import Problem, norm_of
+
+
+@dataclass(slots=True)
+class Equations:
+    """Residual and Jacobian as functions of the coordinates, and the best grids that an iteration has seen.
+
+    Attributes:
+        problem: kernels, weight and fixed nodes.
+        spacing: of the logical coordinates.
+        best: of all grids (False) and of the valid ones (True): the residual's norm and the coordinates.
+    """
+
+    problem: Problem
+    spacing: tuple[float, float]
+    best: dict[bool, tuple[float, Array]] = field(default_factory=dict)
+    _planes: Array | None = None
+
+    def residual(self, coordinates: Array) -> Array:
+        """Return the residual (2, ni, nj), zero at fixed nodes."""
+        residual = self.problem.kernels.euler_lagrange_residual(
+            coordinates, self.problem.weights(coordinates), self.spacing
+        )
+        return self.problem.pin(residual)
+
+    def jacobian(self, coordinates: Array) -> Array:
+        """Return the planes (36, ni, nj) of the Jacobian, in memory that the next call writes to again."""
+        self._planes = self.problem.kernels.euler_lagrange_jacobian(
+            coordinates, self.problem.weights(coordinates), self.spacing, out=self._planes
+        )
+        return self._planes
+
+    def round_off(self, coordinates: Array) -> float:
+        """Return the norm below which a residual cannot be told from zero."""
+        rows = np.zeros_like(coordinates[:1])
+        for plane in self.jacobian(coordinates):
+            rows[0] += np.abs(plane)
+        size = float(np.abs(coordinates).max())
+        return 10 * float(np.finfo(float).eps) * size * norm_of(self.problem.pin(rows))
+
+    def remember(self, coordinates: Array, norm: float) -> float:
+        """Keep the grid if it is the best so far, or the best valid one; return its smallest Jacobian."""
+        smallest = float(corner_jacobians(coordinates[0], coordinates[1]).min())
+        for valid in {False, smallest > 0}:
+            if valid not in self.best or norm < self.best[valid][0]:
+                self.best[valid] = norm, coordinates.copy()
+        return smallest

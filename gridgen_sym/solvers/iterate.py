@@ -1,0 +1,40 @@
+"""A grid, and what a problem says of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..arrays import Array
+from .problem import Problem, norm_of
+
+
+@dataclass(slots=True)
+class Point:
+    """Where a solver is, in the space of all grids.
+
+    Attributes:
+        problem: what is minimised.
+        coordinates: (2, ni, nj), changed in place by whoever moves; `evaluate` then renews the rest.
+        energy: of the grid.
+        smallest: Jacobian of all corners.
+        gradient: (2, ni, nj), zero at fixed nodes.
+        norm: of the gradient.
+    """
+
+    problem: Problem
+    coordinates: Array
+    energy: float = field(init=False)
+    smallest: float = field(init=False)
+    gradient: Array = field(init=False)
+    norm: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Evaluate the problem, with the weight that it has."""
+        self.energy, self.smallest, self.gradient = self.problem.energy_gradient(self.coordinates)
+        self.norm = norm_of(self.gradient)
+
+    def evaluate(self) -> None:
+        """Evaluate the problem anew, and its weight, because the coordinates have changed."""
+        self.problem.refresh(self.coordinates)
+        self.energy, self.smallest, _ = self.problem.energy_gradient(self.coordinates, out=self.gradient)
+        self.norm = norm_of(self.gradient)

@@ -1,0 +1,192 @@
+"""The state of one solver's run: the grid as it is now, and what must be said of how it came about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ..arrays import Array
+from ..boundary.predicates import area_sign
+from ..certificates import Certificate, certificates, sliver_certificate
+from ..certificates.conflict import LITTLE_WORK, WORK
+from ..functionals.definition import Functional
+from ..grids import Grid, corner_jacobians, quality
+from ..grids.grid import boundary_indices
+from .multilevel.nested import Nested, worth_nesting
+from .problem import Problem, norm_of
+from .run.deadline import Stop
+from .run.progress import Progress
+from .run.result import Result
+from .untangling.lift import lift
+from .untangling.middles import unfold_from_middles
+from .untangling.untangle import unfold
+
+
+@dataclass(slots=True)
+class Run:
+    """One run of a solver that minimises; every method leaves `coordinates` as the best grid so far.
+
+    Attributes:
+        problem: on the grid itself.
+        make: binds the same functional and weight to another grid.
+        functional: what is minimised.
+        parameters: of the functional.
+        coordinates: (2, ni, nj).
+        report: is told of every step.
+        reference: norm of the gradient at the start that was given, from which it must fall; None where that
+            start was on the wrong side of the barrier.
+        said: what to say before the solver's own message.
+        proofs: that no valid grid has this boundary, or none without a sliver, where untangling could not find one;
+            None as long as nothing was searched.
+        explained: whether the solver's message says what is folded, and why.
+    """
+
+    problem: Problem
+    make: Callable[[Grid], Problem]
+    functional: Functional
+    parameters: Mapping[str, float] | None
+    coordinates: Array
+    report: Progress
+    reference: float | None = None
+    said: str = ""
+    proofs: tuple[Certificate, ...] | None = None
+    explained: bool = False
+
+    @property
+    def to_untangle(self) -> bool:
+        """Whether the functional has a barrier, and the grid is on its wrong side."""
+        return self.problem.kernels.barrier and not self.problem.energy(self.coordinates)[1] > 0
+
+    def start_from_coarse_grids(self) -> None:
+        """Take the start that coarser grids of the same boundary give, if they know all that counts, and it is better.
+
+        Where they are interrupted, the finest one that is done gives the start.
+        """
+        if self._encloses_nothing or not worth_nesting(self.problem, self.coordinates):
+            return
+        nested = Nested(self.make, self.functional, self.parameters, self.report)
+        try:
+            nested.solve(self.coordinates)
+        finally:
+            self._take(nested.finer(self.problem, self.coordinates))
+
+    def _take(self, start: Array) -> None:
+        """Take another start, if it is better: less folded, or else of lower energy."""
+        energy, smallest, gradient = self.problem.energy_gradient(self.coordinates)
+        barrier = self.problem.kernels.barrier
+        if smallest > 0 or not barrier:
+            self.reference = norm_of(gradient)
+        self.problem.refresh(start)
+        new_energy, new_smallest = self.problem.energy(start)
+        if new_smallest > 0 and smallest > 0:
+            better = new_energy < energy
+        elif barrier or max(new_smallest, smallest) > 0:
+            # On the wrong side of a barrier the energy means nothing.
+            better = self.problem.folds(start) < self.problem.folds(self.coordinates)
+        else:
+            better = new_energy < energy
+        if better:
+            self.said = UNTANGLED if barrier and new_smallest > 0 and not smallest > 0 else ""
+            self.coordinates = start
+        else:
+            self.problem.refresh(self.coordinates)
+
+    def make_valid(self) -> bool:
+        """Untangle, where the functional has a barrier and the grid is folded; return whether that was possible."""
+        if not self.to_untangle:
+            return True
+        if self._encloses_nothing:
+            return False
+        self.report.begin("untangle", self.problem.fixed.shape)
+        valid = unfold(self.problem, self.functional, self.coordinates, self.parameters, self.report)
+        valid = valid or lift(self.coordinates, self.problem.fixed, self.report) or self._lift_or_prove()
+        self.problem.refresh(self.coordinates)
+        self.said = UNTANGLED if valid else ""
+        return valid
+
+    def _lift_or_prove(self) -> bool:
+        """Lift what is folded from the middles of places, unless a proof says that this is in vain; return if valid.
+
+        All searches are short at first, and long where these do not help. Where not even that is proved, that every
+        grid has a sliver, there mostly is a valid one.
+        """
+        self.proofs = self._search(LITTLE_WORK)
+        if self.proofs:
+            return False
+        if unfold_from_middles(self.problem, self.coordinates, self.report):
+            return True
+        self.proofs = self._search_sliver(LITTLE_WORK)
+        if not self.proofs and unfold_from_middles(self.problem, self.coordinates, self.report, WORK):
+            return True
+        self.proofs = self._search(WORK) or self.proofs or self._search_sliver(WORK)
+        return False
+
+    def _search(self, work: int) -> tuple[Certificate, ...]:
+        """Search for proofs that no valid grid has this boundary."""
+        self.report.display("searching for a proof that there is no valid grid")
+        grid = Grid.from_planes(*self.coordinates)
+        return certificates(grid, search=True, work=work, check=self.report.deadline.check)
+
+    def _search_sliver(self, work: int) -> tuple[Certificate, ...]:
+        """Search for the proof that every grid of this boundary has a sliver."""
+        self.report.display("searching for a proof that every valid grid has a nearly folded or small cell")
+        sliver = sliver_certificate(Grid.from_planes(*self.coordinates), work=work, check=self.report.deadline.check)
+        return (sliver,) if sliver else ()
+
+    @property
+    def _encloses_nothing(self) -> bool:
+        """Whether the boundary's area is not positive, as where it runs clockwise: no grid is better than another."""
+        ring = boundary_indices(*self.problem.fixed.shape)
+        return self.to_untangle and area_sign(self.coordinates[:, ring[:, 0], ring[:, 1]].T) <= 0
+
+    def could_not_unfold(self) -> str:
+        """Return what to tell the user about a grid that stayed folded."""
+        told = "this is the start."
+        if not self._encloses_nothing:
+            told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
+        self.explained = True
+        if self.proofs is None:
+            self.proofs = certificates(Grid.from_planes(*self.coordinates))
+        proofs = _proofs_text(self.proofs)
+        if not any(proof.impossible for proof in self.proofs):
+            proofs = f"{_NO_PROOF} {proofs}".strip()
+        return f"{told} {quality(Grid.from_planes(*self.coordinates)).describe_folds()}\n{proofs}"
+
+    def result(self, converged: bool, message: str, stopped_by: Stop | None) -> Result:
+        """Return what the run has found, with what must be said of folded cells and of the weight."""
+        self.problem.refresh(self.coordinates)
+        energy, smallest = self.problem.energy(self.coordinates)
+        grid = Grid.from_planes(*self.coordinates)
+        message = self.said + message
+        proofs: tuple[Certificate, ...] = ()
+        if not smallest > 0:
+            proofs = certificates(grid) if self.proofs is None else self.proofs
+            if not self.explained:
+                folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
+                message += (
+                    f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}".rstrip()
+                )
+        return Result(
+            grid=grid,
+            converged=converged,
+            message=(message + self.problem.caution(self.coordinates)).strip(),
+            iterations=max(len(self.report.history) - 1, 0),
+            energy=energy,
+            history=tuple(self.report.history),
+            stopped_by=stopped_by,
+            certificates=proofs,
+        )
+
+
+#: What is said where there is neither a valid grid nor a proof.
+_NO_PROOF = (
+    "No proof was found that there is no valid grid; certificates(grid, search=True, work=...) searches longer. "
+    "More nodes, other corners or another spacing of the boundary nodes may help."
+)
+#: What is said of a result whose start was folded.
+UNTANGLED = "The grid was folded at the start and was untangled first: "
+
+
+def _proofs_text(proofs: tuple[Certificate, ...]) -> str:
+    """Return the proofs for a boundary as a sentence; nothing where there are none."""
+    return f"With this boundary {'; '.join(map(str, proofs))}." if proofs else ""

@@ -1,0 +1,1 @@
+"""Nested iteration: starts from coarser grids of the same boundary."""

@@ -1,0 +1,90 @@
+"""Nested iteration: the same boundary on coarser grids first, so that the finer ones start near their solution."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import Array
+from ...functionals.definition import Functional
+from ...grids import Grid
+from ..newton.minimize import minimize
+from ..problem import Problem
+from ..run.progress import Progress
+from ..untangling.untangle import unfold
+from .prolongation import coarse_start, finer_start, from_boundary
+
+#: A direction with this many cells is not halved further.
+_FEWEST_CELLS = 16
+#: How well a coarse problem is solved: its solution is only a start for the next.
+_TOLERANCE, _STEPS = 1e-2, 30
+
+
+def worth_nesting(problem: Problem, coordinates: Array) -> bool:
+    """Return whether coarse grids can give a better start than the one that was given.
+
+    They know the boundary only: a valid grid with an inside of its own, fixed inner nodes or one weight per
+    node are things that they would lose.
+    """
+    inner_fixed = bool(problem.fixed[1:-1, 1:-1].any())
+    weight_per_node = problem.weight is not None and problem.weight.per_node
+    if inner_fixed or weight_per_node or len(coarse_shapes(problem.fixed.shape)) == 1:
+        return False
+    if not problem.energy(coordinates)[1] > 0:
+        return True
+    difference = np.abs(coordinates - from_boundary(coordinates)).max()
+    return problem.kernels.backend == "c" and bool(difference <= 1e-9 * np.ptp(coordinates))
+
+
+@dataclass(slots=True)
+class Nested:
+    """A run over the coarse grids of one boundary.
+
+    Attributes:
+        make: binds the functional and its weight to a grid.
+        functional: what is minimised.
+        parameters: of the functional.
+        report: is told of every step.
+        solved: (2, ni, nj), the finest grid that is done.
+    """
+
+    make: Callable[[Grid], Problem]
+    functional: Functional
+    parameters: Mapping[str, float] | None
+    report: Progress
+    solved: Array | None = None
+
+    def solve(self, coordinates: Array) -> None:
+        """Solve on all grids coarser than `coordinates` (2, ni, nj), of which the boundary is used."""
+        for shape in coarse_shapes(coordinates.shape[1:])[:-1]:
+            start = coarse_start(coordinates, shape)
+            problem = self.make(Grid.from_planes(*start))
+            self.solved = self._solve(problem, self.finer(problem, start))
+
+    def finer(self, problem: Problem, coordinates: Array) -> Array:
+        """Return the start that the finest solved grid gives on a grid with the boundary of `coordinates`."""
+        return coordinates if self.solved is None else finer_start(problem, self.solved, coordinates)
+
+    def _solve(self, problem: Problem, start: Array) -> Array:
+        """Return the solution on one coarse grid, or the least folded grid where it has none with so few nodes."""
+        shape = (start.shape[1], start.shape[2])
+        problem.refresh(start)
+        if problem.kernels.barrier and not problem.energy(start)[1] > 0:
+            self.report.begin("untangle", shape)
+            if not unfold(problem, self.functional, start, self.parameters, self.report):
+                return start
+            problem.refresh(start)
+        self.report.begin("minimize", shape)
+        minimize(problem, start, self.report, tolerance=_TOLERANCE, max_iterations=_STEPS, keep_valid=True)
+        return start
+
+
+def coarse_shapes(shape: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Return the shapes of the grids of nested iteration, the coarsest first, ending with `shape`."""
+    shapes = [(shape[0], shape[1])]
+    while max(shapes[0]) - 1 > _FEWEST_CELLS:
+        ni, nj = ((count if count - 1 <= _FEWEST_CELLS else count // 2 + 1) for count in shapes[0])
+        shapes.insert(0, (ni, nj))
+    return shapes

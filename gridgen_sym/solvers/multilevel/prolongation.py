@@ -1,0 +1,148 @@
+"""From one grid to another of the same boundary with more or fewer nodes.
+
+What is carried to a finer grid is the displacement from transfinite interpolation, which is smooth where the boundary
+is not, by cubic interpolation: then one or two Newton steps on the finer grid suffice. Where the outline has kinks of
+the size of a cell, transfinite interpolation carries them across the whole domain, and the start may be folded there.
+Then the nodes themselves are carried, linearly, which folds nothing where every cell is halved, and only what the finer
+boundary adds is spread into the domain, by Laplace's equation: it is small, oscillates, and dies out after a few cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from ...arrays import Array
+from ...grids import transfinite
+from ...runtime import threads_for
+from ..folds import Folds
+from ..problem import Problem
+
+#: The sides of a grid (2, ni, nj): the first and the last i, the first and the last j.
+_SIDES = np.s_[:, 0], np.s_[:, -1], np.s_[:, :, 0], np.s_[:, :, -1]
+#: A grid with less than this part of its cells folded is nearly valid.
+_FEW = 0.02
+#: Rows of nodes that are worked on at once.
+_BLOCK = 32
+
+
+def coarse_start(coordinates: Array, shape: tuple[int, int]) -> Array:
+    """Return the transfinite interpolation (2, ni, nj) of a grid's boundary, resampled to `shape`."""
+    sides = coordinates[:, :, 0], coordinates[:, :, -1], coordinates[:, 0], coordinates[:, -1]
+    counts = shape[0], shape[0], shape[1], shape[1]
+    along = (_resample_lines(side, count, linear=True) for side, count in zip(sides, counts, strict=True))
+    return transfinite(*(side.T for side in along)).planes.copy()
+
+
+def finer_start(problem: Problem, coarse: Array, fine_boundary: Array) -> Array:
+    """Return the start on a finer grid: of the ways to make one, the first that is valid, or the least folded.
+
+    Args:
+        problem: on the finer grid; counts the folds.
+        coarse: (2, ni, nj), solved on a coarser grid.
+        fine_boundary: (2, ni, nj) of the finer grid, of which the boundary is used.
+    """
+    interpolated = from_boundary(fine_boundary)
+    start = _displaced(coarse, interpolated)
+    least = problem.folds(start)
+    if least.cells:
+        start, least = _less_folded(problem, start, least, _spread(coarse, interpolated))
+    if least.cells > _FEW * start[0].size:
+        start, least = _less_folded(problem, start, least, interpolated.copy())
+    return start
+
+
+def _less_folded(problem: Problem, start: Array, least: Folds, other: Array) -> tuple[Array, Folds]:
+    """Return the less folded of two grids, of which the folds of one are known, and its folds."""
+    folds = problem.folds(other)
+    return (other, folds) if folds < least else (start, least)
+
+
+def _displaced(coarse: Array, interpolated: Array) -> Array:
+    """Return a transfinite grid plus the displacement of the coarse grid from its own."""
+    start = coarse - from_boundary(coarse)  # Zero at the boundary, and so is what is interpolated from it.
+    start = resample(start, interpolated.shape[1:], linear=False)
+    start += interpolated
+    return start
+
+
+def _spread(coarse: Array, fine_boundary: Array) -> Array:
+    """Return the coarse nodes, interpolated linearly, plus the harmonic extension of the boundary's difference."""
+    start = resample(coarse, fine_boundary.shape[1:], linear=True)
+    sides = [fine_boundary[side] - start[side] for side in _SIDES]
+    start[:, 1:-1, 1:-1] += _harmonic(*(side[:, 1:-1] for side in sides))
+    for side in _SIDES:
+        start[side] = fine_boundary[side]  # Bit by bit.
+    return start
+
+
+def _harmonic(first_i: Array, last_i: Array, first_j: Array, last_j: Array) -> Array:
+    """Return the solution of Laplace's equation on the 5-point stencil, at the inner nodes, from values at the sides.
+
+    By sine transforms, which make the stencil diagonal. Those of what the sides contribute are known but for one along
+    each side.
+    """
+    from scipy.fft import dst, idstn
+
+    waves = [np.pi * np.arange(1, count + 1) / (count + 1) for count in (first_j.shape[1], first_i.shape[1])]
+    sine_i, sine_j = (2 * np.sin(wave) for wave in waves)
+    odd_i, odd_j = (np.resize([1.0, -1.0], len(wave)) for wave in waves)
+    along_j, along_i = (
+        (dst(first, type=1), dst(last, type=1)) for first, last in ((first_i, last_i), (first_j, last_j))
+    )
+    spectrum = sine_i[:, None] * along_j[0][:, None] + (odd_i * sine_i)[:, None] * along_j[1][:, None]
+    spectrum += along_i[0][:, :, None] * sine_j + along_i[1][:, :, None] * (odd_j * sine_j)
+    spectrum /= (4 - 2 * np.cos(waves[0]))[:, None] - 2 * np.cos(waves[1])
+    return np.asarray(idstn(spectrum, type=1, axes=(1, 2), overwrite_x=True, workers=threads_for(spectrum.size)))
+
+
+def from_boundary(coordinates: Array) -> Array:
+    """Return the transfinite interpolation, read-only, of the boundary of (2, ni, nj) coordinates."""
+    sides = coordinates[:, :, 0], coordinates[:, :, -1], coordinates[:, 0], coordinates[:, -1]
+    return transfinite(*(side.T for side in sides)).planes
+
+
+def resample(field: Array, shape: tuple[int, ...], *, linear: bool) -> Array:
+    """Interpolate a field (2, ni, nj), uniform in the logical square, to another number of nodes."""
+    return _resample_rows(_resample_lines(field, shape[1], linear=linear), shape[0], linear=linear)
+
+
+def _resample_lines(field: Array, count: int, *, linear: bool) -> Array:
+    """Interpolate along the last axis."""
+    if field.shape[-1] == count:
+        return field
+    first, factors = _lagrange(field.shape[-1], count, linear=linear)
+    rows = field.reshape(-1, field.shape[-1])
+    result = np.zeros((len(rows), count))
+    for block in _blocks(len(rows)):
+        for k, factor in enumerate(factors):
+            result[block] += factor * rows[block, first + k]
+    return result.reshape(*field.shape[:-1], count)
+
+
+def _resample_rows(field: Array, count: int, *, linear: bool) -> Array:
+    """Interpolate a field (2, ni, nj) along the axis of i."""
+    if field.shape[1] == count:
+        return field
+    first, factors = _lagrange(field.shape[1], count, linear=linear)
+    result = np.zeros((2, count, field.shape[2]))
+    for block in _blocks(count):
+        for k, factor in enumerate(factors):
+            result[:, block] += factor[block, None] * field[:, first[block] + k]
+    return result
+
+
+def _lagrange(given: int, count: int, *, linear: bool) -> tuple[npt.NDArray[np.intp], Array]:
+    """Return the first of the 2 or 4 nodes from which each new one is interpolated, and the factors of all."""
+    place = np.linspace(0.0, given - 1.0, count)
+    points = 2 if linear or given < 4 else 4
+    first = np.clip(np.floor(place).astype(np.intp) - (points // 2 - 1), 0, given - points)
+    local, nodes = place - first, range(points)
+    return first, np.array([np.prod([(local - m) / (k - m) for m in nodes if m != k], axis=0) for k in nodes])
+
+
+def _blocks(count: int) -> Iterator[slice]:
+    """Yield groups of rows: what is made of one of them on the way stays in the processor's cache."""
+    return (slice(begin, begin + _BLOCK) for begin in range(0, count, _BLOCK))

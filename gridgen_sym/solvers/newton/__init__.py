@@ -1,0 +1,1 @@
+"""The global method: Newton's method on all free nodes at once."""

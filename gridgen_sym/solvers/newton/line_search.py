@@ -1,0 +1,78 @@
+"""The length of a step: the energy falls, and no cell is folded that was valid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import Array
+from ..iterate import Point
+from ..problem import inner
+
+#: Armijo's constant, and how often a step is halved.
+_SUFFICIENT, _HALVINGS = 1e-4, 40
+
+
+@dataclass(slots=True)
+class LineSearch:
+    """How long a step from a point may be, and how the last search from it ended.
+
+    Attributes:
+        point: where the step begins.
+        lowest: the Jacobian that no corner may fall to.
+        trial: (2, ni, nj), where trial grids are put.
+        length: of the accepted step; 1 is the whole Newton step. Negative where it leads against its direction.
+        energy: of the grid at the accepted length.
+        folds: whether a longer step was refused because it would have folded a cell.
+    """
+
+    point: Point
+    lowest: float
+    trial: Array
+    length: float = 0.0
+    energy: float = float("nan")
+    folds: bool = False
+
+    def along(self, direction: Array) -> bool:
+        """Find the longest step 1, 1/2, ... that lowers the energy enough and folds nothing."""
+        slope = inner(self.point.gradient, direction)
+        round_off = _noise(self.point.energy)
+        self.length, self.folds = 1.0, False
+        for _ in range(_HALVINGS):
+            self.energy, smallest = self._energy_at(direction, self.length)
+            lower = self.energy <= self.point.energy + _SUFFICIENT * self.length * slope + round_off
+            if lower and smallest > self.lowest:
+                return True
+            self.folds |= bool(lower)
+            self.length *= 0.5
+        return False
+
+    def away(self, direction: Array) -> bool:
+        """Find the length, up to one that moves a node across the grid, that lowers the energy most and folds nothing.
+
+        The direction is one of negative curvature, and its own length means nothing.
+        """
+        sign = -1.0 if inner(self.point.gradient, direction) > 0 else 1.0
+        length = sign * float(np.ptp(self.point.coordinates)) / float(np.abs(direction).max())
+        least = self.point.energy - _noise(self.point.energy)
+        self.length, self.folds = 0.0, False
+        for _ in range(_HALVINGS):
+            energy, smallest = self._energy_at(direction, length)
+            if energy < least and smallest > self.lowest:
+                self.length, self.energy, least = length, energy, energy
+            elif self.length:
+                break
+            length *= 0.5
+        return self.length != 0.0
+
+    def _energy_at(self, direction: Array, length: float) -> tuple[float, float]:
+        """Return the energy and the smallest Jacobian after a step of this length."""
+        np.multiply(direction, length, out=self.trial)
+        self.trial += self.point.coordinates
+        return self.point.problem.energy(self.trial)
+
+
+def _noise(energy: float) -> float:
+    """Return how much of an energy is rounding: smaller differences mean nothing."""
+    return 1e2 * float(np.finfo(float).eps) * abs(energy)

@@ -1,0 +1,1 @@
+"""What every run of a solver shares: its checks, its deadline, its progress, its result."""

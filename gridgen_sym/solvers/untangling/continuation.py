@@ -1,0 +1,95 @@
+"""Minimise a barrier functional whose barrier is regularised, and sharpen it: the path to a valid grid.
+
+The Jacobian J is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2, which is positive everywhere; epsilon is driven to
+zero while the energy is minimised (Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, "Foldover-free maps in
+50 lines of code"; Escobar et al. 2003). chi is a substitution in the derivation, so every barrier functional has it.
+
+The minima for falling epsilon lie on a path, and Newton's method follows it in large steps: epsilon falls by a
+constant factor. Where a valid grid exists the worst fold becomes shallower with epsilon, sooner or later; where none
+exists it tends to a depth that stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+from ...arrays import Array
+from ...functionals.definition import Functional
+from ...runtime import kernels
+from ..folds import Folds, mean_jacobian
+from ..linear.systems import hessian_solver
+from ..newton.minimize import minimize
+from ..problem import Problem
+from ..run.progress import Progress
+
+#: The first epsilon, over the depth of the worst fold and over the mean Jacobian: the larger of the two counts.
+_DEPTH, _SIZE = 0.2, 0.02
+#: Factor by which epsilon falls.
+_FALL = 0.3
+#: Progress has ended if in so many falls no cell is unfolded, and the worst fold is no shallower by this factor.
+_PATIENCE, _SHALLOWER = 3, 0.9
+#: For one epsilon: factor by which the gradient must fall, and Newton steps after which epsilon falls in any case.
+_TOLERANCE, _STEPS = 1e-2, 20
+#: Over the mean Jacobian: below this epsilon, rounding decides about signs.
+_SHARPEST = 1e-12
+
+#: Lowers the energy of a problem from given coordinates on, in place.
+Lower = Callable[[Problem, Array], None]
+
+
+def at_all_nodes(problem: Problem, progress: Progress) -> Lower:
+    """Return what lowers the energy at all nodes of a problem, by Newton's method."""
+    solver = hessian_solver(problem.fixed, problem.kernels.backend)
+
+    def lower(regular: Problem, place: Array) -> None:
+        minimize(
+            regular,
+            place,
+            progress,
+            tolerance=_TOLERANCE,
+            max_iterations=_STEPS,
+            keep_valid=False,
+            until_valid=True,
+            semidefinite=True,
+            solver=solver,
+        )
+
+    return lower
+
+
+def path(
+    problem: Problem,
+    functional: Functional,
+    coordinates: Array,
+    parameters: Mapping[str, float] | None,
+    lower: Lower,
+) -> Iterator[None]:
+    """Follow the minima for falling epsilon, changing `coordinates` in place, as long as that is progress."""
+    folds = [problem.folds(coordinates, mendable=True)]
+    size = mean_jacobian(coordinates)
+    epsilon = max(_DEPTH * folds[0].depth, _SIZE * size)
+    while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:]):
+        lower(regularized(problem, functional, parameters, epsilon), coordinates)
+        folds.append(problem.folds(coordinates, mendable=True))
+        epsilon *= _FALL
+        yield
+
+
+def _ended(folds: list[Folds]) -> bool:
+    """Return whether the last falls of epsilon were no progress over all before them."""
+    before, lately = folds[:-_PATIENCE], folds[-_PATIENCE:]
+    if not before:
+        return False
+    fewer = min(fold.cells for fold in lately) < min(fold.cells for fold in before)
+    shallower = min(fold.depth for fold in lately) < _SHALLOWER * min(fold.depth for fold in before)
+    return not (fewer or shallower)
+
+
+def regularized(
+    problem: Problem, functional: Functional, parameters: Mapping[str, float] | None, epsilon: float
+) -> Problem:
+    """Return the same problem with the regularised barrier, without a weight, over all corners."""
+    kernel_set = kernels(functional, "regularized", {**(parameters or {}), "epsilon": epsilon}, problem.kernels.backend)
+    # Its energy is finite everywhere, so the line search need not keep corners positive.
+    return Problem(replace(kernel_set, barrier=False), problem.fixed, None)

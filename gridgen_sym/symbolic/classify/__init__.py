@@ -1,0 +1,4 @@
+"""Classify: type of the equations, definiteness, bounds, invariances, equidistribution; decided, not asserted."""
+
+from .classification import Classification as Classification
+from .classification import classify as classify

@@ -1,0 +1,169 @@
+"""Classify a functional: everything is decided from its density, nothing from its name.
+
+Parameters stand at their default values. Claims about the type hold where J > 0, that is on valid grids.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import sympy
+from sympy import Expr, Symbol
+
+from ...functionals.definition import Functional
+from ...functionals.metric import symbol
+from ..coordinates import FIRST_DERIVATIVES, Variant, epsilon, expand_metric, s, y_xi
+from ..definiteness import Definiteness
+from ..derive.continuous import euler_lagrange
+from ..derive.discrete import corner_model, has_barrier, variant_density
+from .bounds import LowerBound, lower_bound
+from .ellipticity import Ellipticity, ellipticity
+from .invariance import (
+    is_exchange_symmetric,
+    is_logical_rotation_invariant,
+    is_rotation_invariant,
+    reparametrization_degrees,
+    scaling_degree,
+)
+from .principal_symbol import determinant, principal_symbol
+from .random_jets import Type, sampled_type
+
+
+@dataclass(frozen=True, slots=True)
+class Classification:
+    """What kind of functional it is, and what kind of Euler–Lagrange equations it has.
+
+    Attributes:
+        functional: what was classified.
+        variant: how the weight enters.
+        linear: whether the Euler–Lagrange equations are linear in x and y; else they are quasilinear.
+        coupled: whether the equation of x contains y, or the other way round.
+        symbol: the 2x2 principal symbol A(k) in k1 and k2.
+        determinant: of the principal symbol, in the metric symbols where it can be written in them.
+        ellipticity: the type where J > 0, and how it is known.
+        null_lagrangian: whether the Euler–Lagrange equations vanish identically.
+        translation: whether the energy of a translated map is the same.
+        rotation: whether that of a rotated map is.
+        scaling_degree: k, if the map c·(x, y) has c^k times the density; None if there is no such k.
+        exchange: whether exchanging xi and eta, with a reflection that keeps J's sign, changes nothing.
+        reparametrization_degrees: the degrees of the density in g1 and in g2, None where it has none.
+        lower_bound: a lower bound of the density where J > 0, the greatest one where that was proved.
+        barrier: whether the density tends to infinity as J tends to zero from above.
+        polyconvex: whether P(A, J) is convex where J > 0, and how that is known.
+    """
+
+    functional: Functional
+    variant: Variant
+    linear: bool
+    coupled: bool
+    symbol: sympy.Matrix
+    determinant: Expr
+    ellipticity: Ellipticity
+    null_lagrangian: bool
+    translation: bool
+    rotation: bool
+    scaling_degree: Expr | None
+    exchange: bool
+    reparametrization_degrees: tuple[Expr | None, Expr | None]
+    lower_bound: LowerBound
+    barrier: bool
+    polyconvex: Definiteness
+
+    def words(self) -> tuple[str, ...]:
+        """Return the classification in the words of the field."""
+        return (
+            "linear" if self.linear else "quasilinear",
+            "coupled" if self.coupled else "uncoupled",
+            self.ellipticity.type,
+        )
+
+
+def equation_type(functional: Functional) -> Type:
+    """Return the type of the Euler–Lagrange equations as random points show it, at the default parameters."""
+    return sampled_type(principal_symbol(variant_density(functional, "plain").subs(_defaults(functional))))
+
+
+def is_null_lagrangian(functional: Functional) -> bool:
+    """Return whether every grid with the same boundary has the same energy, whatever the parameters; without a weight.
+
+    The Euler–Lagrange equations vanish then. Such a density is J and the first derivatives times constants, whose sum
+    over the corners of a grid depends on the boundary nodes alone, as its integral does on the boundary.
+    """
+    density = variant_density(functional, "plain")
+    # abs(J) is as good as J where J > 0, and there only.
+    return bool(expand_metric(density).is_polynomial(*FIRST_DERIVATIVES)) and _is_zero(principal_symbol(density))
+
+
+def _defaults(functional: Functional) -> dict[Symbol, Expr]:
+    return {symbol(name): sympy.nsimplify(value, rational=True) for name, value in functional.parameters.items()}
+
+
+@lru_cache(maxsize=64)
+def classify(functional: Functional, variant: Variant = "plain") -> Classification:
+    """Classify a functional, with its parameters at their defaults; once per process."""
+    defaults = _defaults(functional)
+    density = variant_density(functional, variant).subs(defaults)
+    matrix = principal_symbol(density)
+    rest = _rest(functional, variant, defaults)
+    rotates, degree = is_rotation_invariant(density), scaling_degree(density)
+    moves = variant == "differentiated" and density.has(s)
+    return Classification(
+        functional=functional,
+        variant=variant,
+        linear=_is_linear(matrix, rest),
+        coupled=_is_coupled(matrix, rest),
+        symbol=matrix,
+        determinant=determinant(matrix, rotates=rotates),
+        ellipticity=ellipticity(
+            matrix, rotates=rotates, turns=is_logical_rotation_invariant(density), positive=(s, epsilon)
+        ),
+        null_lagrangian=_is_zero(matrix) and _is_zero(rest),
+        translation=not moves,
+        rotation=rotates and not moves,
+        scaling_degree=None if moves else degree,
+        exchange=is_exchange_symmetric(density),
+        reparametrization_degrees=reparametrization_degrees(density),
+        lower_bound=lower_bound(density, rotates=rotates, degree=degree),
+        barrier=has_barrier(functional) and variant != "regularized",
+        polyconvex=corner_model(functional, variant).splitting,
+    )
+
+
+def _rest(functional: Functional, variant: Variant, defaults: dict[sympy.Symbol, Expr]) -> sympy.Matrix:
+    """Return what is of lower order in the Euler–Lagrange equations; nothing, where there is no weight."""
+    if variant not in ("frozen", "differentiated"):
+        return sympy.zeros(2, 1)
+    return sympy.Matrix(euler_lagrange(functional, variant).rest).subs(defaults)
+
+
+def _is_zero(matrix: sympy.Matrix) -> bool:
+    """Return whether a matrix vanishes for all jets."""
+    return all(entry == 0 or (_is_zero_at_a_jet(entry) and sympy.expand(expand_metric(entry)) == 0) for entry in matrix)
+
+
+def _is_zero_at_a_jet(entry: Expr) -> bool:
+    """Try a claim at one point before any algebra."""
+    value = expand_metric(entry)
+    point = {
+        variable: sympy.Rational(i + 3, 2 * i + 5) for i, variable in enumerate(sorted(value.free_symbols, key=str))
+    }
+    return bool(abs(sympy.N(value.subs(point), 30)) < 1e-20)
+
+
+def _is_linear(matrix: sympy.Matrix, rest: sympy.Matrix) -> bool:
+    """Return whether the coefficients are free of x and y, and the rest linear in their derivatives."""
+    entries = [*matrix, *(sympy.diff(expand_metric(part), p) for part in rest for p in FIRST_DERIVATIVES)]
+    jets = {*FIRST_DERIVATIVES, *(symbol(name) for name in ("s_x", "s_y"))}
+    return not any(sympy.expand(expand_metric(entry)).free_symbols & jets for entry in entries) and not any(
+        part.has(symbol("s_x"), symbol("s_y")) for part in rest
+    )
+
+
+def _is_coupled(matrix: sympy.Matrix, rest: sympy.Matrix) -> bool:
+    """Return whether either equation contains the other unknown."""
+    if any(part.has(symbol("s_x"), symbol("s_y")) for part in rest) or not _is_zero(sympy.Matrix([matrix[0, 1]])):
+        return True
+    x_part = sympy.expand(expand_metric(matrix[0, 0])).free_symbols | expand_metric(rest[0]).free_symbols
+    y_part = sympy.expand(expand_metric(matrix[1, 1])).free_symbols | expand_metric(rest[1]).free_symbols
+    return bool(x_part & {y_xi, symbol("y_eta")} or y_part & {symbol("x_xi"), symbol("x_eta")})

@@ -1,0 +1,86 @@
+"""Invariances of a density, decided from the density: rotation, scaling, exchange of the logical coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy
+from sympy import Expr, Symbol
+
+from ..coordinates import FIRST_DERIVATIVES, METRIC, REGULARIZATION, differentiate, g11, g22, x_eta, x_xi, y_eta, y_xi
+
+# Rational jets with J > 0 at which a claim is tried before any algebra.
+_JETS = ((2, 1, -1, 3), (1, -2, 3, 1), (3, 2, -2, 5))
+
+
+def is_rotation_invariant(density: Expr) -> bool:
+    """Return whether F(R A) = F(A) for every rotation R of the physical plane, as for every F of the metric alone."""
+    if density.free_symbols.isdisjoint(FIRST_DERIVATIVES):
+        return True
+    return _is_stationary(density, (-y_xi, x_xi, -y_eta, x_eta))
+
+
+def is_logical_rotation_invariant(density: Expr) -> bool:
+    """Return whether F(A R) = F(A) for every rotation R of (xi, eta): F then depends on singular values alone."""
+    return _is_stationary(density, (x_eta, y_eta, -x_xi, -y_xi))
+
+
+def scaling_degree(density: Expr) -> Expr | None:
+    """Return k with F(c A) = c^k F(A) for all c > 0, or None."""
+    return _degree(density, FIRST_DERIVATIVES)
+
+
+def reparametrization_degrees(density: Expr) -> tuple[Expr | None, Expr | None]:
+    """Return the degrees of F in g1 and in g2: how it scales when xi or eta is measured in another unit."""
+    return _degree(density, FIRST_DERIVATIVES[:2]), _degree(density, FIRST_DERIVATIVES[2:])
+
+
+def is_exchange_symmetric(density: Expr) -> bool:
+    """Return whether F is unchanged by exchanging xi and eta, with a reflection of x that keeps J's sign."""
+    exchange = {g11: g22, g22: g11, x_xi: -x_eta, x_eta: -x_xi, y_xi: y_eta, y_eta: y_xi}
+    return _vanishes(density - density.subs(exchange, simultaneous=True))
+
+
+def _is_stationary(density: Expr, direction: Sequence[Expr]) -> bool:
+    """Return whether the density's derivative along a field of jets is zero everywhere."""
+    slope = sum(
+        (differentiate(density, p) * d for p, d in zip(FIRST_DERIVATIVES, direction, strict=True)), sympy.S.Zero
+    )
+    return _vanishes(slope)
+
+
+def _degree(density: Expr, variables: Sequence[Symbol]) -> Expr | None:
+    """Return the degree of homogeneity in some of the first derivatives, by Euler's relation."""
+    slope = sum((p * differentiate(density, p) for p in variables), sympy.S.Zero)
+    at_a_jet = _jets(density)[0]
+    value = _expand(density).subs(at_a_jet)
+    if value == 0:
+        return None
+    degree = sympy.simplify(_expand(slope).subs(at_a_jet) / value)
+    if not degree.is_Rational:
+        return None
+    return degree if _vanishes(slope - degree * density) else None
+
+
+def _vanishes(expression: Expr) -> bool:
+    """Return whether an expression is zero for all jets: tried at rational ones first, then proved by algebra."""
+    if expression == 0:
+        return True
+    expanded = _expand(expression)
+    if any(abs(sympy.N(expanded.subs(jet), 30)) > 1e-20 for jet in _jets(expression)):
+        return False
+    return bool(sympy.expand(expanded) == 0 or sympy.simplify(expanded) == 0)
+
+
+def _jets(expression: Expr) -> list[dict[Symbol, Expr]]:
+    others = sorted(_expand(expression).free_symbols - set(FIRST_DERIVATIVES), key=str)
+    values = {variable: sympy.Rational(i + 2, i + 3) for i, variable in enumerate(others)}
+    return [values | dict(zip(FIRST_DERIVATIVES, map(sympy.Integer, jet), strict=True)) for jet in _JETS]
+
+
+def _expand(expression: Expr) -> Expr:
+    """Write out the metric, with the branch J > 0 of the regularised barrier."""
+    branch = {
+        name: meaning.args[0].expr if meaning.is_Piecewise else meaning for name, meaning in REGULARIZATION.items()
+    }
+    return expression.subs(branch).subs(branch).subs(METRIC)

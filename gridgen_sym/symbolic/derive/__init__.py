@@ -1,0 +1,1 @@
+"""Derive: the discrete energy's derivatives and the continuous equations, from one density."""

@@ -1,0 +1,162 @@
+"""The continuous side: the Euler–Lagrange equations of a functional, derived from the same density.
+
+With F the density, r = x or y, the residual is
+
+    R_r = d/dxi (dF/dr_xi) + d/deta (dF/dr_eta) - dF/dr,
+
+minus the functional derivative, so that the length functional gives plus the Laplacian. It is quasilinear:
+linear in the second derivatives, with coefficients that depend on the first ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import sympy
+from sympy import Expr, Symbol
+
+from ...errors import GridgenError
+from ...functionals.definition import Functional
+from ..coordinates import (
+    FIRST_DERIVATIVES,
+    SECOND_DERIVATIVES,
+    Variant,
+    differentiate,
+    expand_metric,
+    s,
+    s_eta,
+    s_x,
+    s_xi,
+    s_y,
+    x_eta,
+    x_etaeta,
+    x_xi,
+    x_xieta,
+    x_xixi,
+    y_eta,
+    y_etaeta,
+    y_xi,
+    y_xieta,
+    y_xixi,
+)
+from .discrete import gradient, hessian, variant_density
+from .reduction import Reduction, find_reduction
+
+#: The derivatives along xi and eta of every first derivative, in the order of `FIRST_DERIVATIVES`.
+ALONG_XI = (x_xixi, y_xixi, x_xieta, y_xieta)
+ALONG_ETA = (x_xieta, y_xieta, x_etaeta, y_etaeta)
+
+
+@dataclass(frozen=True, slots=True)
+class EulerLagrange:
+    """The two Euler–Lagrange equations of a functional, each = 0.
+
+    Attributes:
+        functional: what they were derived from.
+        variant: how the weight enters.
+        fluxes: (dF/dx_xi, dF/dy_xi, dF/dx_eta, dF/dy_eta): the divergence form is
+            d/dxi fluxes[0] + d/deta fluxes[2] - sources[0] = 0 for x; fluxes[1], fluxes[3], sources[1] for y.
+        sources: (dF/dx, dF/dy), through a weight that is differentiated.
+        coefficients: for every second derivative the pair of its coefficients in the two residuals.
+        rest: what is left of the two residuals, of lower order.
+        residual: the two expanded residuals, in the metric symbols.
+        reduction: a simpler equivalent system, where one was found.
+    """
+
+    functional: Functional
+    variant: Variant
+    fluxes: tuple[Expr, ...]
+    sources: tuple[Expr, Expr]
+    coefficients: Mapping[Symbol, tuple[Expr, Expr]]
+    rest: tuple[Expr, Expr]
+    residual: tuple[Expr, Expr]
+    reduction: Reduction | None
+
+    def expanded(self) -> tuple[Expr, Expr]:
+        """Return the two residuals written out in the derivatives of x and y alone."""
+        first, second = (expand_metric(part) for part in self.residual)
+        return first, second
+
+
+@lru_cache(maxsize=64)
+def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerLagrange:
+    """Derive the Euler–Lagrange equations of a functional.
+
+    A `frozen` weight is a given function of (xi, eta), with derivatives `s_xi`, `s_eta`; a `differentiated`
+    one is s(x, y), with derivatives `s_x`, `s_y`.
+
+    Raises:
+        GridgenError: for the regularised barrier, which is a tool of the discrete side.
+    """
+    if variant == "regularized":
+        raise GridgenError(f"the regularised barrier of {functional.name!r} serves untangling only: use 'plain'")
+    density = variant_density(functional, variant)
+    fluxes = gradient(density)
+    slope = hessian(density)
+    density_s = sympy.diff(density, s)
+    weight_xi, weight_eta = _weight_slopes(variant)
+    sources = (density_s * s_x, density_s * s_y) if variant == "differentiated" else (sympy.S.Zero, sympy.S.Zero)
+    flux_s = gradient(density_s)
+    rest = tuple(
+        flux_s[component] * weight_xi + flux_s[2 + component] * weight_eta - sources[component] for component in (0, 1)
+    )
+    coefficients = {second: _coefficients(slope, second) for second in SECOND_DERIVATIVES}
+    residual = tuple(
+        sum((coefficients[second][component] * second for second in SECOND_DERIVATIVES), rest[component])
+        for component in (0, 1)
+    )
+    return EulerLagrange(
+        functional=functional,
+        variant=variant,
+        fluxes=fluxes,
+        sources=sources,
+        coefficients=coefficients,
+        rest=(rest[0], rest[1]),
+        residual=(residual[0], residual[1]),
+        reduction=find_reduction(coefficients, (rest[0], rest[1])),
+    )
+
+
+def _weight_slopes(variant: Variant) -> tuple[Expr, Expr]:
+    """Return the derivatives of the weight along xi and eta."""
+    if variant == "frozen":
+        return s_xi, s_eta
+    if variant == "differentiated":
+        return s_x * x_xi + s_y * y_xi, s_x * x_eta + s_y * y_eta
+    return sympy.S.Zero, sympy.S.Zero
+
+
+def _coefficients(slope: sympy.Matrix, second: Symbol) -> tuple[Expr, Expr]:
+    """Return the coefficients of a second derivative in the two residuals, from the density's 4x4 Hessian."""
+    pair = []
+    for component in (0, 1):
+        along_xi = sum((slope[component, k] for k in range(4) if ALONG_XI[k] == second), sympy.S.Zero)
+        along_eta = sum((slope[2 + component, k] for k in range(4) if ALONG_ETA[k] == second), sympy.S.Zero)
+        pair.append(along_xi + along_eta)
+    return pair[0], pair[1]
+
+
+def residual_slopes(residual: tuple[Expr, Expr]) -> Mapping[Symbol, tuple[Expr, Expr]]:
+    """Return the derivatives of two residuals in every first and second derivative of the map."""
+    slopes = {p: tuple(differentiate(part, p) for part in residual) for p in FIRST_DERIVATIVES}
+    slopes |= {second: tuple(sympy.diff(part, second) for part in residual) for second in SECOND_DERIVATIVES}
+    return {variable: (pair[0], pair[1]) for variable, pair in slopes.items()}
+
+
+def total_derivative(expression: Expr, along: str, variant: Variant = "plain") -> Expr:
+    """Return the derivative along `xi` or `eta`, through the first derivatives of the map and the weight."""
+    slopes = ALONG_XI if along == "xi" else ALONG_ETA
+    result = sum(
+        (differentiate(expression, p) * slope for p, slope in zip(FIRST_DERIVATIVES, slopes, strict=True)),
+        sympy.S.Zero,
+    )
+    return result + sympy.diff(expression, s) * weight_slope(along, variant)
+
+
+def weight_slope(along: str, variant: Variant) -> Expr:
+    """Return the derivative of the weight along `xi` or `eta`."""
+    if variant == "differentiated":
+        return s_x * x_xi + s_y * y_xi if along == "xi" else s_x * x_eta + s_y * y_eta
+    return s_xi if along == "xi" else s_eta

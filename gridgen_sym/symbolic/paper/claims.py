@@ -1,0 +1,114 @@
+"""Decide the claims that the paper makes in words: classification, bounds, barriers, parameters, weights."""
+
+from __future__ import annotations
+
+import sympy
+
+from ...functionals import functional
+from ...functionals.paper import PrintedEquation
+from ..classify.classification import classify
+from ..coordinates import J, expand_metric, g11, g12, g22, s, x_eta, x_xi, y_eta, y_xi
+from ..definiteness import is_nonnegative
+from ..derive.discrete import corner_model, has_barrier, variant_density
+from .comparison import agreement, weight_minimum
+from .errata import Finding
+from .notation import read
+
+
+def refutation(text: str) -> Finding:
+    """Return the finding of a claim that does not hold."""
+    return Finding(False, "claim refuted", "other", sympy.S.Zero, text)
+
+
+def compare_classification(printed: PrintedEquation) -> Finding:
+    """Compare the words of a classification with the derived one."""
+    assert printed.functional is not None
+    words = classify(functional(printed.functional)).words()
+    known = {*words, *(() if words[2] == "elliptic" else ("non-elliptic",))}
+    wrong = [word for word in printed.expressions if word not in known]
+    derived = ", ".join(words)
+    return refutation(f"{', '.join(wrong)}: derived {derived}") if wrong else agreement(f"derived: {derived}")
+
+
+def compare_inequality(printed: PrintedEquation) -> Finding:
+    """Prove left side >= right side in the eigenvalues of the metric tensor, squares of positive numbers."""
+    first, second = sympy.symbols("sigma_1 sigma_2", positive=True)
+    invariants = {g11: first**2, g22: second**2, g12: 0, J: first * second}
+    left, right = (read(text).subs(invariants) for text in printed.expressions)
+    difference = sympy.factor(sympy.simplify(_unroot(left, first, second) - right))
+    if is_nonnegative(difference, (first, second)):
+        return agreement(f"with lambda_i = sigma_i², left - right = {difference}")
+    return refutation(f"left - right = {difference} is not provably non-negative")
+
+
+def _unroot(expression: sympy.Expr, first: sympy.Symbol, second: sympy.Symbol) -> sympy.Expr:
+    """Take roots in an expression symmetric in the eigenvalues: the larger one is the first."""
+    gap = sympy.Symbol("gap", positive=True)
+    taken = sympy.simplify(expression.subs(first, second + gap))
+    return sympy.simplify(taken.subs(gap, first - second))
+
+
+def compare_parameters(printed: PrintedEquation) -> Finding:
+    """Check that the combined functional with the printed parameters is the named one."""
+    assert printed.functional is not None
+    names = (read(name) for name in ("k_A", "k_L", "k_O"))
+    values = dict(zip(names, (read(text) for text in printed.expressions), strict=True))
+    combined = variant_density(functional("combined"), "plain").subs(values)
+    difference = sympy.expand(expand_metric(combined - variant_density(functional(printed.functional), "plain")))
+    if difference == 0:
+        return agreement("the combined density is then g11*g22/4")
+    return Finding(False, "differs", "other", difference, f"combined - {printed.functional} = {difference}")
+
+
+def compare_weight(printed: PrintedEquation) -> Finding:
+    """Decide whether a weight is non-negative, by signs of terms or by an exact witness."""
+    weight = read(printed.expressions[0])
+    least, place = weight_minimum(weight)
+    if least < 0:
+        where = ", ".join(f"{name} = {value}" for name, value in place.items())
+        text = f"s = {least} at {where}: the weighted energy is unbounded below"
+        return Finding(False, "claim refuted", "negative weight", least, text)
+    return agreement("non-negative, term by term") if weight.is_nonnegative else refutation("its sign is not known")
+
+
+def compare_claim(printed: PrintedEquation) -> Finding:
+    """Decide a claim of one functional."""
+    word, *rest = printed.expressions
+    assert printed.functional is not None
+    known = functional(printed.functional)
+    if word == "constraints":
+        missing = set(rest) ^ set(known.constraints)
+        return (
+            refutation(f"conditions differ: {missing}") if missing else agreement("the constraints of the functional")
+        )
+    if word in ("barrier", "no barrier"):
+        return (
+            agreement()
+            if has_barrier(known) == (word == "barrier")
+            else refutation("the limit at J = 0 says otherwise")
+        )
+    if word == "non-negative":
+        return agreement("a square") if _is_bounded_below_by_zero(printed) else refutation("negative somewhere")
+    return _compare_beyond_barrier(printed)
+
+
+def _is_bounded_below_by_zero(printed: PrintedEquation) -> bool:
+    assert printed.functional is not None
+    return is_nonnegative(expand_metric(variant_density(functional(printed.functional), "plain")), (s,))
+
+
+def _compare_beyond_barrier(printed: PrintedEquation) -> Finding:
+    """Decide 'bounded below' and 'unfolded' where J < 0 too, on the cells g1 = (1, 0), g2 = (0, J)."""
+    assert printed.functional is not None
+    energy = corner_model(functional(printed.functional), "plain").energy
+    bound = classify(functional(printed.functional)).lower_bound
+    cell = expand_metric(energy).subs({x_xi: 1, y_xi: 0, x_eta: 0}).subs(y_eta, J)
+    limit = sympy.limit(cell, J, 0, "-")
+    witness = f"g1 = (1, 0), g2 = (0, J) has energy {cell.subs(J, -1)} at J = -1 and tends to {limit} as J -> 0-"
+    if limit == -sympy.oo:
+        text = f"{witness}; where J > 0 the bound {bound.value} is {bound.proof}"
+        return Finding(False, "claim holds under a condition: J > 0", "unbounded where folded", limit, text)
+    if printed.expressions[0] == "bounded below":
+        return agreement(f"bound {bound.value}")
+    text = f"{witness}: a folded cell has finite energy and stays behind the barrier"
+    return Finding(False, "claim holds under a condition: J > 0", "finite where folded", cell.subs(J, -1), text)

@@ -1,0 +1,205 @@
+"""The known errata of the paper, recognised by what a comparison finds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import sympy
+from sympy import Expr
+
+from ..coordinates import expand_metric
+from .notation import read
+
+#: What a comparison can find.
+Nature = Literal[
+    "same",
+    "multiple",
+    "exchanged",
+    "null Lagrangian",
+    "other",
+    "reversed",
+    "square",
+    "unbounded where folded",
+    "finite where folded",
+    "negative weight",
+    "multiple of the integral",
+    "only where J > 0",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What the comparison of one printed equation found.
+
+    Attributes:
+        agrees: whether the equation, as printed, has the solutions of the derived one, or the claim holds.
+        status: the answer in words.
+        nature: what kind of difference there is.
+        difference: printed minus derived, or the factor printed/derived where there is one; 0 for agreement.
+        text: one line, with the witness where there is one.
+    """
+
+    agrees: bool
+    status: str
+    nature: Nature
+    difference: Expr
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Erratum:
+    """A known error of the paper.
+
+    Attributes:
+        key: its name.
+        natures: the findings that show it.
+        equations: the keys of the equations where it stands; the same error elsewhere is a discovery.
+        differences: text of the differences that show it; empty where the nature says enough.
+        text: the explanation, in one line.
+        explanation: the same for a reader of the paper, in Markdown.
+    """
+
+    key: str
+    natures: tuple[Nature, ...]
+    equations: tuple[str, ...]
+    differences: tuple[str, ...]
+    text: str
+    explanation: str
+
+    def explains(self, equation: str, finding: Finding) -> bool:
+        """Return whether a finding at an equation, given by its key, is this erratum."""
+        if finding.nature not in self.natures or equation not in self.equations:
+            return False
+        return not self.differences or any(
+            sympy.expand(expand_metric(read(text) - finding.difference)) == 0 for text in self.differences
+        )
+
+
+ERRATA = (
+    Erratum(
+        "E1",
+        ("null Lagrangian",),
+        ("area-integral-2",),
+        ("J - J**2/2",),
+        "the integral of J itself is the null Lagrangian",
+        (
+            r"The first line of the Area integral is half of the integral of $J^2$. The second line puts $x_\xi "
+            r"y_\eta - x_\eta y_\xi$ in its place, which is $J$ itself. The integral of $J$ over the logical "
+            r"square is the area of the domain, whatever the grid inside: such a density is called a null "
+            r"Lagrangian, and its Euler–Lagrange equations read $0 = 0$. Read the first line only."
+        ),
+    ),
+    Erratum(
+        "E2",
+        ("exchanged",),
+        ("area-divergence-1", "area-divergence-2"),
+        ("1", "-1"),
+        "the two divergence equations are exchanged, up to sign",
+        (
+            r"For $F = J^2/2$ the fluxes of the equation of $x$ are $\partial F/\partial x_\xi = J y_\eta$ and "
+            r"$\partial F/\partial x_\eta = -J y_\xi$: they contain $y$. The paper prints the equation with $x$ "
+            r"in its fluxes first, which is minus the equation of $y$, and the equation of $x$ second. As a "
+            r"system the two say the same; a program that solves the first for $x$ and the second for $y$, as "
+            r"the expanded form suggests, would exchange them."
+        ),
+    ),
+    Erratum(
+        "E3",
+        ("other",),
+        ("area-expanded-2",),
+        ("x_etaeta*y_xi*(x_xi - y_xi)",),
+        "the last term is printed -y_xi*y_xi*x_etaeta; it must be -x_xi*y_xi*x_etaeta",
+        (
+            r"The coefficient of $x_{\eta\eta}$ in the equation of $y$ and that of $y_{\eta\eta}$ in the "
+            r"equation of $x$ are the same second derivative of $F$, so they must be equal. The paper prints "
+            r"$-x_\xi y_\xi$ in the one and $-y_\xi y_\xi$ in the other. The second is a slip of one letter."
+        ),
+    ),
+    Erratum(
+        "E4",
+        ("multiple",),
+        ("knupp-expanded-1", "knupp-expanded-2"),
+        ("2",),
+        "the printed equations are those of g11*g22/2, twice those of the combination of the integrals as printed",
+        (
+            r"With $k_A = k_O = 1/2$ and the integrals as they are printed, each with its own factor 1/2, the "
+            r"combined density is $(J^2 + g_{12}^2)/4$, and by the identity $J^2 + g_{12}^2 = g_{11} g_{22}$ "
+            r"that is $g_{11} g_{22}/4$. The printed equations are those of $g_{11} g_{22}/2$. Solved alone they"
+            r" have the same solutions. The factor of two counts as soon as they are added to something else."
+        ),
+    ),
+    Erratum(
+        "E5",
+        ("reversed",),
+        ("jacobian-k2", "jacobian-k4"),
+        ("-1",),
+        "with vectors pointing away from node k, two of the four Jacobians of a valid grid are negative",
+        (
+            r"The tables measure the vectors of all four cells from node $k$ outward. In the cells 2 and 4 one "
+            r"of the two then points against its logical coordinate, and the determinant changes its sign: on a "
+            r"valid grid it is $-J$. A barrier functional, which divides by $J$, would see two folded corners at"
+            r" every node of a good grid. Here both vectors always point along increasing $\xi$ and $\eta$."
+        ),
+    ),
+    Erratum(
+        "E6",
+        ("unbounded where folded", "finite where folded"),
+        ("winslow-unfolded", "winslow-bounded", "modified-liao-unfolded"),
+        (),
+        "the claim holds only while every J > 0: a folded start stands on the wrong side of the barrier",
+        (
+            r"Where $J > 0$ everywhere, the Winslow energy of a corner is at least 2, and it grows without end "
+            r"as a cell closes: the barrier. The paper concludes that the functional is bounded below and "
+            r"produces unfolded grids. Both hold on the valid side of the barrier only. Where $J < 0$ the energy"
+            r" $(g_{11} + g_{22})/J$ is negative and falls to $-\infty$ as $J \to 0^-$: from a folded start a "
+            r"minimizer runs to the wrong side of the barrier and stays there. The square in the modified Liao "
+            r"functional makes the energy positive on both sides, so that a folded cell is held behind the "
+            r"barrier instead. A folded start must be untangled first, with the regularized barrier, or by "
+            r"solving the Winslow equations."
+        ),
+    ),
+    Erratum(
+        "E7",
+        ("square",),
+        ("frobenius-norm",),
+        (),
+        "g11 + g22 is the square of the Frobenius norm",
+        (
+            r"With $A = [\mathbf g_1\ \mathbf g_2]$ the Jacobian matrix, $g_{11} + g_{22}$ is the sum of the "
+            r"squares of its four entries: the square of the Frobenius norm. The displayed formula after the "
+            r"sentence has the square."
+        ),
+    ),
+    Erratum(
+        "E8",
+        ("negative weight",),
+        ("weight-2",),
+        (),
+        "where the weight is negative, the weighted Area energy is unbounded below",
+        (
+            r"The second adaptive example drops the absolute value of the first: $s = 5 + 200 \sin 2\pi x\,\sin "
+            r"2\pi y$ is $-195$ at $x = 1/4$, $y = 3/4$. There a larger cell has a smaller weighted energy $s "
+            r"J^2$, without end: no minimum exists. The program refuses such a weight unless it is told to take "
+            r"it."
+        ),
+    ),
+    Erratum(
+        "E9",
+        ("multiple of the integral",),
+        ("area-sum", "length-sum", "orthogonality-sum", "combined-sum"),
+        ("2",),
+        "the integral has the factor 1/2, the sum has not",
+        (
+            r"The integrals of Area, Length and Orthogonality carry a factor 1/2, their discrete sums do not, "
+            r"nor does that of the combined functional. A factor of the whole does not move a minimum. It must "
+            r"be known to compare energies, and the discrete gradient with the Euler–Lagrange equations: a "
+            r"functional's `corner_factor` says it."
+        ),
+    ),
+)
+
+
+def find_erratum(equation: str, finding: Finding) -> Erratum | None:
+    """Return the erratum that explains a finding at an equation, or None for agreement and for a discovery."""
+    return next((erratum for erratum in ERRATA if erratum.explains(equation, finding)), None)

@@ -1,0 +1,63 @@
+"""Write derived expressions as a reader would: in the metric where that is shorter, terms in the order of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+
+import sympy
+from sympy import Expr, Symbol
+
+from ...functionals.metric import symbol
+from ..coordinates import SECOND_DERIVATIVES, expand_metric, g11, g22
+from ..definiteness import is_high
+from ..derive.reduction import in_metric
+
+#: More operations than this, and an expression is left as it was derived: factoring it would take too long.
+_LARGEST = 600
+#: The metric is written out up to this size, and where the degree is not high: factors in four variables take long.
+_LARGEST_WRITTEN = 100
+_TRACE = symbol("trace")
+
+
+@lru_cache(maxsize=1024)
+def tidy(expression: Expr) -> Expr:
+    """Return the shortest of several ways to write an expression: as derived, factored, or factored in the metric."""
+    expression = sympy.sympify(expression)
+    names = expression.free_symbols
+    size = sympy.count_ops(expression)
+    if not expression.is_rational_function(*names) or size > _LARGEST:
+        return expression
+    traced = sympy.factor(expression.subs(g11, _TRACE - g22)).subs(_TRACE, g11 + g22)
+    single = [sympy.factor(expression), traced]
+    if size <= _LARGEST_WRITTEN and not is_high([expression]):
+        single.append(in_metric(sympy.factor(expand_metric(expression))))
+    return min((expression, *map(sympy.factor_terms, single)), key=sympy.count_ops)
+
+
+def tidy_quadratic(expression: Expr, variables: Sequence[Symbol]) -> Expr:
+    """Return a polynomial in some variables with tidy coefficients, and with what they have in common taken out."""
+    terms = sympy.Poly(expression, *variables).terms()
+    parts = [(sympy.prod(map(sympy.Pow, variables, powers)), tidy(factor)) for powers, factor in terms]
+    return sympy.factor_terms(sympy.Add(*(monomial * factor for monomial, factor in parts)))
+
+
+def paper_order(component: int) -> tuple[Symbol, ...]:
+    """Return the second derivatives as the paper orders the terms of an equation: along xi, mixed, along eta.
+
+    In each pair the equation's own unknown comes first: x in equation 0, y in equation 1.
+    """
+    first, second = SECOND_DERIVATIVES[:3], SECOND_DERIVATIVES[3:]
+    own, other = (first, second) if component == 0 else (second, first)
+    return tuple(derivative for pair in zip(own, other, strict=True) for derivative in pair)
+
+
+def common_factor(expressions: Iterable[Expr]) -> Expr:
+    """Return the number and the denominators of names that all the expressions have in common."""
+    present = [expression for expression in expressions if expression != 0]
+    numbers = [expression.as_content_primitive()[0] for expression in present]
+    powers = [sympy.fraction(expression)[1].as_powers_dict() for expression in present]
+    names = sorted({base for power in powers for base in power if base.is_Symbol}, key=str)
+    # What divides some of them only belongs to those.
+    least = {name: min(power.get(name, sympy.S.Zero) for power in powers) for name in names}
+    return sympy.gcd_list(numbers or [1]) / sympy.prod(name**power for name, power in least.items())

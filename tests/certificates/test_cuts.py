@@ -1,0 +1,247 @@
+"""Convex polygons with whole-number corners: what is cut off is never possible, and pieces fill what they are of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support_boundaries import SEEDS, star_polygon
+from support_polygons import inside, moved, points_in, random_polygon
+
+from gridgen_sym.certificates.cuts import _holds, common_part, halves, possible_part, visible_part
+from gridgen_sym.certificates.lattice import Lattice, convex_hull, doubled_area, simpler, turn
+from gridgen_sym.certificates.pieces import inside_pieces, outside_pieces
+
+
+def assert_kept(part, region, possible):
+    """Check that what is left of a region has all its possible points, and hardly more than the region."""
+    part = region if part is None else part
+    if possible:
+        assert all(inside(part, q) for q in possible)
+    if part:
+        assert doubled_area(part) <= doubled_area(region) + 2**45
+
+
+@given(SEEDS, st.sampled_from([2**40, 2**10, 6]))
+def test_no_possible_place_is_cut_off(seed, size):
+    """Nor of a place so small that it is not cut any more."""
+    random = np.random.default_rng(seed)
+    region, a, c = (random_polygon(random, size=size) for _ in range(3))
+    a = moved(a, 2 * size, 0)  # Apart, or else nearly every place is possible.
+    near, others = points_in(random, a, 6), points_in(random, c, 6)
+    possible = [q for q in points_in(random, region, 40) if any(turn(q, p, r) > 0 for p in near for r in others)]
+    assert_kept(possible_part(region, a, c), region, possible)
+
+
+@given(SEEDS, st.floats(0.01, 0.99))
+def test_just_what_exceeds_the_least_area_is_left(seed, part):
+    """The least is chosen so that some corners of the region stay, and others do not."""
+    random, size = np.random.default_rng(seed), 2**40
+    region, a, c = (random_polygon(random, size=size) for _ in range(3))
+
+    def largest(q):
+        return max(turn(q, p, r) for p in a for r in c)
+
+    heights = sorted(map(largest, region))
+    least = heights[0] + int(part * (heights[-1] - heights[0]))
+    kept = possible_part(region, a, c, least)
+    assert all(inside(kept, q) for q in points_in(random, region, 40) if largest(q) > least)
+    assert min(map(largest, kept)) > least - 2**6 * size
+    assert possible_part(region, a, c, heights[0] - 1) is None
+    assert possible_part(region, a, c, heights[-1]) == ()
+
+
+def test_where_a_corner_has_no_area_is_no_possible_place():
+    """To the right of a line, and on it."""
+    below, a, c = ((0, 0), (8 << 20, 0), (4 << 20, -9 << 20)), ((-1, 0),), ((-9 << 20, 0),)
+    kept = possible_part(below, a, c)
+    assert kept is None or all(inside(kept, q) for q in below)
+    assert possible_part(below, c, a) == ()
+    assert possible_part(below, a, a) == ()
+
+
+def is_hidden(p, q, obstacle):
+    """Whether the segment from p to q leads through the inside of a convex polygon: it is clipped, edge after edge."""
+    low, high = 0.0, 1.0
+    for s, t in zip(obstacle, obstacle[1:] + obstacle[:1], strict=True):
+        at_p, at_q = turn(s, t, p), turn(s, t, q)
+        if at_p <= 0 and at_q <= 0:
+            return False
+        if at_p < 0 or at_q < 0:
+            meets = at_p / (at_p - at_q)
+            low, high = (max(low, meets), high) if at_p < 0 else (low, min(high, meets))
+    return high - low > 1e-9
+
+
+@given(SEEDS, st.sampled_from(["apart", "a corner of it", "anywhere"]))
+def test_no_visible_place_is_cut_off(seed, where):
+    random = np.random.default_rng(seed)
+    region, a, obstacle = (random_polygon(random) for _ in range(3))
+    if where == "apart":
+        region, a = moved(region, 2**42, 0), moved(a, -(2**42), 0)
+        obstacle = moved(tuple((x, 4 * y) for x, y in obstacle), 0, 0)
+    elif where == "a corner of it":
+        a = obstacle[:1]
+    from_where = points_in(random, a, 6)
+    visible = [q for q in points_in(random, region, 40) if any(not is_hidden(p, q, obstacle) for p in from_where)]
+    part = visible_part(region, a, obstacle)
+    assert_kept(part, region, visible)
+    if where == "apart" and part is not None and not part:
+        assert not visible
+
+
+@given(SEEDS)
+def test_halves_hold_the_whole(seed):
+    random = np.random.default_rng(seed)
+    region = random_polygon(random)
+    parts = halves(region, tuple(random.integers(-100, 100, 2).tolist()))
+    assert all(inside(parts[0], q) or inside(parts[1], q) for q in points_in(random, region, 60))
+    assert max(doubled_area(part) for part in parts) <= doubled_area(region)
+
+
+@given(SEEDS)
+def test_rounding_loses_no_point(seed):
+    """Of polygons so small that one unit counts."""
+    random = np.random.default_rng(seed)
+    region = random_polygon(random, size=12)
+    dx, dy = random.integers(-9, 10, 2).tolist()
+    parts = halves(region, (dx, dy))
+    middle = sum(dx * y - dy * x for x, y in region)
+    for x in range(-12, 13):
+        for y in range(-12, 13):
+            if inside(region, (x, y)):
+                side = len(region) * (dx * y - dy * x) - middle
+                assert side < 0 or inside(parts[0], (x, y))
+                assert side > 0 or inside(parts[1], (x, y))
+
+
+@given(SEEDS, st.sampled_from([2**40, 3]))
+def test_what_two_polygons_have_in_common_is_kept(seed, size):
+    random = np.random.default_rng(seed)
+    region, other = random_polygon(random, size=size), random_polygon(random, size=size)
+    part = common_part(region, other)
+    common = [q for q in points_in(random, region, 60) + points_in(random, other, 60)]
+    common = [q for q in common if inside(region, q) and inside(other, q, strictly=True)]
+    assert not common or all(inside(part, q) for q in common)
+    if part:
+        assert doubled_area(part) <= min(doubled_area(region), doubled_area(other)) + 2**45
+    right = max(x for x, _ in region) - min(x for x, _ in other)
+    assert common_part(region, moved(other, right + 2**20, 0)) == ()
+
+
+def test_polygons_with_a_common_edge_have_nothing_else_in_common():
+    square = ((0, 0), (2**40, 0), (2**40, 2**40), (0, 2**40))
+    assert common_part(square, moved(square, 2**40, 0)) == ()
+    assert common_part(square, moved(square, 2**40, 2**40)) == ()
+    assert common_part(square, square) == square
+
+
+@given(SEEDS)
+def test_a_simpler_polygon_holds_the_whole(seed):
+    random = np.random.default_rng(seed)
+    angles = (np.arange(30) + 0.5 * random.random(30)) * np.pi / 15
+    region = convex_hull([(round(2**40 * np.cos(angle)), round(2**40 * np.sin(angle))) for angle in angles])
+    simple = simpler(region)
+    assert len(simple) <= 16
+    assert all(inside(simple, point) for point in region)
+    assert doubled_area(simple) < 1.2 * doubled_area(region)
+
+
+@given(SEEDS, st.integers(5, 40))
+def test_what_is_outside_and_inside_of_a_polygon_is_cut_into_convex_pieces(seed, count):
+    points = np.rint(star_polygon(seed, count, 0.1) * 2**30)
+    ring = [(int(x), int(y)) for x, y in points]
+    pieces = outside_pieces(ring)
+    assert all(convex_hull(piece) == piece or set(convex_hull(piece)) == set(piece) for piece in pieces)
+    assert all(doubled_area(piece) > 0 for piece in pieces)
+    assert sum(map(doubled_area, pieces)) == doubled_area(convex_hull(ring)) - doubled_area(tuple(ring))
+    # A star is seen from its center.
+    assert not any(inside(piece, (0, 0), strictly=True) for piece in pieces)
+    assert all(point in ring for piece in pieces for point in piece)
+    pieces = inside_pieces(ring)
+    assert all(doubled_area(piece) > 0 and set(convex_hull(piece)) == set(piece) for piece in pieces)
+    assert sum(map(doubled_area, pieces)) == doubled_area(tuple(ring))
+    assert any(inside(piece, (0, 0)) for piece in pieces)
+
+
+def skyline(heights):
+    """A simple polygon, counter-clockwise, of towers two units wide, with a point at every second unit."""
+    count = len(heights)
+    ring = [(2 * x, 0) for x in range(1, count)]
+    for x, (low, high) in enumerate(zip([*heights, 0][::-1], [0, *heights][::-1], strict=True)):
+        ring += [(2 * (count - x), 2 * y) for y in range(low, high, 1 if low < high else -1)]
+        ring.append((2 * (count - x), 2 * high))
+    return ring
+
+
+@given(
+    st.lists(st.integers(1, 4), min_size=1, max_size=8), st.sampled_from([(1, 0, 0, 1), (0, -1, 1, 0), (2, 1, -3, 1)])
+)
+def test_many_points_on_one_line_are_cut_into_convex_pieces(heights, matrix):
+    """Each piece has an area, and together they have every unit of the inside, and none of the outside."""
+    a, b, c, d = matrix
+    ring = [(a * x + b * y, c * x + d * y) for x, y in skyline(heights)]
+    within, outside = inside_pieces(ring), outside_pieces(ring)
+    for pieces, area in (
+        (within, doubled_area(tuple(ring))),
+        (outside, doubled_area(convex_hull(ring)) - doubled_area(tuple(ring))),
+    ):
+        assert all(doubled_area(piece) > 0 for piece in pieces)
+        assert all(set(convex_hull(piece)) == set(piece) for piece in pieces)
+        assert sum(map(doubled_area, pieces)) == area
+        assert all(point in ring for piece in pieces for point in piece)
+    for x, height in enumerate(heights):
+        for y in range(4):
+            u, v = 2 * x + 1, 2 * y + 1
+            center = a * u + b * v, c * u + d * v
+            assert y >= height or any(inside(piece, center) for piece in within)
+            assert y >= height or not any(inside(piece, center, strictly=True) for piece in outside)
+
+
+@pytest.mark.parametrize(
+    ("point", "hidden", "seen"),
+    [
+        ((0, 0), ((9, 8), (15, 9), (9, 15)), ((0, 0), (-3, 8), (-8, -8), (8, -3))),
+        ((0, 4), ((9, 2), (15, 1), (15, 9), (9, 6)), ((0, -9), (0, 9), (-9, 0))),
+        ((0, -4), ((1, 9), (2, 9), (2, 20)), ((0, -4), (8, -8), (8, 0))),
+    ],
+    ids=["from its corner", "from its edge", "from behind its edge"],
+)
+def test_an_obstacle_hides_what_is_behind_it(point, hidden, seen):
+    """And not what the line of sight reaches along its edge."""
+    p, obstacle, behind, beside = (
+        tuple((x << 20, y << 20) for x, y in polygon)
+        for polygon in ((point,), ((0, 0), (8, 0), (8, 8), (0, 8)), hidden, seen)
+    )
+    assert visible_part(behind, p, obstacle) == ()
+    assert visible_part(convex_hull(beside), p, obstacle) is None
+
+
+def test_a_hull_has_no_corner_between_others():
+    assert set(convex_hull([(x, y) for x in range(3) for y in range(3)])) == {(0, 0), (2, 0), (2, 2), (0, 2)}
+    assert convex_hull([(2, 2), (0, 0), (1, 1)]) == ((0, 0), (2, 2))
+
+
+def test_a_polygon_with_parallel_edges_is_made_simpler():
+    """The edges above and below never meet behind the one between them."""
+    round_end = [(y**2, 1000 * y) for y in range(-10, 11)]
+    region = convex_hull([*round_end, (2**20, -10_000), (2**20, 10_000)])
+    simple = simpler(region)
+    assert len(region) > 16 == len(simple)
+    assert all(inside(simple, point) for point in region)
+
+
+@given(SEEDS, st.sampled_from([1e-300, 1e-9, 1.0, 1e300]), st.sampled_from([0.0, 1.0, 1e6]))
+def test_a_lattice_has_its_points_without_an_error(seed, scale, shift):
+    points = (np.random.default_rng(seed).random((5, 2)) + shift) * scale
+    lattice = Lattice(points)
+    assert np.array_equal(lattice.coordinates(lattice.points(points)), points)
+    # And it is fine enough for what is rounded to be little.
+    assert max(abs(value) for point in lattice.points(points) for value in point) >= 2**70
+
+
+def test_a_polygon_without_area_holds_nothing():
+    assert not any(_holds(polygon, (3, 0, 1)) for polygon in ((), ((3, 0),), ((0, 0), (2, 0)), ((0, 0), (9, 0))))
+    assert _holds(((0, 0), (4, 0), (0, 4)), (7, 0, 2))
+    assert not _holds(((0, 0), (4, 0), (0, 4)), (9, 0, 2))

@@ -1,0 +1,392 @@
+"""Grid files: round trips, files of other programs, and files that are none."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import io
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from gridgen_sym.boundary import Outline, domain
+from gridgen_sym.errors import GridgenError
+from gridgen_sym.grids import Grid
+from gridgen_sym.io import known_suffixes, plot3d, read, tables, vtk, write
+
+DATA = Path(__file__).parent / "data"
+CODECS = {
+    ".vts": (vtk.encode, vtk.decode),
+    ".xyz": (plot3d.encode, plot3d.decode),
+    ".csv": (tables.encode_csv, tables.decode_csv),
+    ".npz": (tables.encode_npz, tables.decode_npz),
+}
+SWAN = domain("swan", 5, 4)  # What tests/grids/data holds, written by VTK 9.
+
+grids = hnp.arrays(
+    np.float64,
+    st.tuples(st.integers(3, 5), st.integers(3, 5), st.just(2)),
+    elements=st.floats(allow_nan=False, allow_infinity=False),
+).map(Grid)
+
+
+def test_every_suffix_is_tested():
+    assert known_suffixes() == [*CODECS, ".cgns"]  # The last one has tests of its own.
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+def test_round_trip_through_the_disk(tmp_path, suffix):
+    path = tmp_path / f"grid{suffix.upper()}"
+    SWAN.write(path)
+    assert read(path) == SWAN
+    domain("wavy", 7, 9).write(str(path))
+    assert read(str(path)) == domain("wavy", 7, 9)
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+@given(grid=grids)
+def test_round_trip_is_exact(suffix, grid):
+    encode, decode = CODECS[suffix]
+    back = decode(encode(grid))
+    assert back == grid
+    assert np.array_equal(np.signbit(back.planes), np.signbit(grid.planes))
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+@settings(max_examples=300)
+@given(data=st.data())
+def test_a_file_cut_short_is_an_error(suffix, data):
+    encode, decode = CODECS[suffix]
+    whole = encode(SWAN)
+    cut = whole[: data.draw(st.integers(0, len(whole) - 1))]
+    if cut == whole.rstrip() and suffix != ".csv":
+        assert decode(cut) == SWAN  # Only the newline at the end is gone.
+    else:
+        with pytest.raises(GridgenError):
+            decode(cut)
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+@settings(max_examples=300)
+@given(data=st.data())
+def test_a_damaged_file_is_a_grid_or_an_error(suffix, data):
+    encode, decode = CODECS[suffix]
+    damaged = bytearray(encode(SWAN))
+    for _ in range(data.draw(st.integers(1, 3))):
+        damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
+    with contextlib.suppress(GridgenError):  # Any other error, or warning, fails the test.
+        assert isinstance(decode(bytes(damaged)), Grid)
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+@given(noise=st.binary(min_size=1, max_size=60) | st.text("0123456789 .,-\nnaife", min_size=1).map(str.encode))
+def test_noise_is_an_error(suffix, noise):
+    with pytest.raises(GridgenError):
+        CODECS[suffix][1](noise)
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+def test_bad_places(tmp_path, suffix):
+    name = f"grid{suffix}"
+    with pytest.raises(GridgenError, match="no such file"):
+        read(tmp_path / name)
+    with pytest.raises(GridgenError, match="does not exist; make it first"):
+        write(SWAN, tmp_path / "none" / name)
+    (tmp_path / "file").write_text("a file")
+    with pytest.raises(GridgenError, match="does not exist"):
+        write(SWAN, tmp_path / "file" / name)
+    with pytest.raises(GridgenError, match="cannot read"):
+        read(tmp_path / "file" / name)
+    (tmp_path / name).mkdir()
+    for action in (lambda: read(tmp_path / name), lambda: write(SWAN, tmp_path / name)):
+        with pytest.raises(GridgenError, match="is a folder"):
+            action()
+    (tmp_path / f"empty{suffix}").write_bytes(b" \n")
+    with pytest.raises(GridgenError, match="is empty"):
+        read(tmp_path / f"empty{suffix}")
+    (tmp_path / f"text{suffix}").write_text("not a grid\n")
+    with pytest.raises(GridgenError, match=f"cannot read .*text{suffix} as a "):
+        read(tmp_path / f"text{suffix}")
+    with pytest.raises(GridgenError, match="cannot write"):
+        write(SWAN, tmp_path / ("long" * 100 + suffix))
+
+
+@pytest.mark.parametrize("path", ["grid.stl", "grid", "grid.vts.gz", ".csv"])
+def test_an_unknown_suffix_lists_the_known(path):
+    with pytest.raises(GridgenError, match=r"use one of \.vts .*\.xyz .*\.csv .*\.npz"):
+        write(SWAN, path)
+    with pytest.raises(GridgenError, match="suffix"):
+        read(path)
+
+
+@pytest.mark.parametrize("path", [None, 3, b"grid.vts", "a\0.vts"])
+def test_a_name_that_is_none(path):
+    with pytest.raises(GridgenError, match="must be text or a path"):
+        read(path)
+
+
+@pytest.mark.parametrize("stage", ["fsync", "replace"])
+@pytest.mark.parametrize("failure", [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt()])
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, stage, failure):
+    path = tmp_path / "grid.csv"
+    SWAN.write(path)
+
+    def fail(*_):
+        raise failure
+
+    monkeypatch.setattr(os, "fsync", fail) if stage == "fsync" else monkeypatch.setattr(Path, "replace", fail)
+    expected = (GridgenError, "No space left") if isinstance(failure, OSError) else (KeyboardInterrupt, None)
+    with pytest.raises(expected[0], match=expected[1]):
+        domain("wavy", 5, 5).write(path)
+    monkeypatch.undo()
+    assert [p.name for p in tmp_path.iterdir()] == ["grid.csv"]
+    assert read(path) == SWAN
+
+
+OUTLINE = Outline([[0, 0], [1, 0], [1, 1], [0, 1]], (0, 1, 2, 3), "box")
+each_writer = pytest.mark.parametrize(
+    ("thing", "name"), [(SWAN, f"grid{suffix}") for suffix in CODECS] + [(OUTLINE, "outline.csv")]
+)
+
+
+@each_writer
+@pytest.mark.parametrize("code", [errno.EACCES, errno.EROFS, errno.EPERM])
+def test_a_folder_closed_to_us_is_an_error(tmp_path, monkeypatch, thing, name, code):
+    """Nobody is kept from root's own folders, so that the refusal is played."""
+
+    def refuse(path, mode="r", *_):
+        assert mode == "xb"
+        raise OSError(code, os.strerror(code), path)
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(GridgenError) as caught:
+        thing.write(tmp_path / name)
+    assert f"cannot write {tmp_path / name}: {os.strerror(code)}; check the permissions" in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+@each_writer
+@pytest.mark.parametrize("folder", ["/sys", "/proc", "/dev/null", __file__])
+def test_a_folder_that_takes_no_files_is_an_error_even_for_root(thing, name, folder):
+    if not os.path.exists(folder):
+        pytest.skip(f"{folder} is not here")
+    with pytest.raises(GridgenError, match=f"cannot write {folder}/{name}: .*(check the permissions|make it first)"):
+        thing.write(Path(folder) / name)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="permissions do not bind root")
+@each_writer
+def test_permissions_that_forbid_are_told(tmp_path, thing, name):
+    thing.write(tmp_path / name)
+    (tmp_path / name).chmod(0)
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(GridgenError, match=r"cannot write .*: Permission denied; check the permissions"):
+            thing.write(tmp_path / name)
+        with pytest.raises(GridgenError, match=r"cannot read .*: Permission denied; check its permissions"):
+            (read if thing is SWAN else Outline.read)(tmp_path / name)
+    finally:
+        tmp_path.chmod(0o700)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX permissions and links")
+def test_permissions_follow_the_umask_and_links_are_followed(tmp_path):
+    SWAN.write(tmp_path / "grid.csv")
+    (tmp_path / "plain").write_text("")
+    assert (tmp_path / "grid.csv").stat().st_mode == (tmp_path / "plain").stat().st_mode
+    (tmp_path / "link.csv").symlink_to(tmp_path / "grid.csv")
+    domain("wavy", 5, 5).write(tmp_path / "link.csv")
+    assert (tmp_path / "link.csv").is_symlink()
+    assert read(tmp_path / "grid.csv") == domain("wavy", 5, 5)
+
+
+@pytest.mark.parametrize(
+    "path", sorted(set(DATA.glob("*.vts")) - {DATA / "inline_lz4.vts"}), ids=lambda path: path.stem
+)
+def test_files_written_by_vtk(path):
+    tolerance = 1e-8 if path.stem == "ascii" else 0.0  # VTK's own ASCII has fewer digits.
+    assert read(path).xy == pytest.approx(SWAN.xy, abs=tolerance, rel=0)
+
+
+def test_an_unknown_compressor_is_named():
+    with pytest.raises(GridgenError, match="vtkLZ4DataCompressor"):
+        read(DATA / "inline_lz4.vts")
+
+
+def test_the_vts_text():
+    text = vtk.encode(SWAN).decode()
+    assert 'WholeExtent="0 4 0 3 0 0"' in text
+    rows = text.split('format="ascii">\n')[1].splitlines()
+    assert rows[0] == "0 0 0"
+    assert [float(word) for word in rows[1].split()] == [0.25, 0.0, 0.0]  # The first index runs fastest.
+    assert [float(word) for word in rows[5].split()] == [*SWAN.xy[0, 1], 0.0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('type="StructuredGrid" v', 'type="ImageData" v', "expected a VTKFile of type StructuredGrid"),
+        ('<Piece Extent="0 4 0 3 0 0">', '<Piece Extent="0 4 0 3 0 1">', "single k plane"),
+        (
+            '<Piece Extent="0 4 0 3 0 0">',
+            '<Piece Extent="0 4 0 2 0 0">',
+            "5 x 3 points of 3 numbers, but 60 came",
+        ),
+        ('<Piece Extent="0 4 0 3 0 0">', '<Piece Extent="0 4 0">', "six whole numbers"),
+        ("</Piece>", "</Piece><Piece></Piece>", "2 pieces"),
+        ("0.25 0 0\n", "0.25 0 1\n", "surface in space"),
+        ("0.25 0 0\n", "nan 0 0\n", r"node \(1, 0\)"),
+        ("0.25 0 0\n", "x 0 0\n", "cannot be decoded"),
+        ('format="ascii"', 'format="hex"', "format 'hex'"),
+        ('format="ascii"', 'format="binary"', "cannot be decoded"),
+        ('format="ascii"', 'format="appended" offset="0"', "cannot be decoded"),
+        ('type="Float64"', 'type="Int8"', "type 'Int8'"),
+        ("Points>", "Dots>", "no Points/DataArray"),
+    ],
+)
+def test_a_vts_with_a_fault(old, new, message):
+    text = vtk.encode(SWAN).decode()
+    assert old in text
+    with pytest.raises(GridgenError, match=message):
+        vtk.decode(text.replace(old, new).encode())
+
+
+def plot3d_text(*, count=True, three=True, words="{}"):
+    """The swan as a PLOT3D file of another writer."""
+    planes = [SWAN.x.T.ravel(), SWAN.y.T.ravel()] + [np.zeros(20)] * three
+    head = "1\n" * count + "5 4" + " 1" * three
+    body = "\n".join(words.format(repr(value)) for value in np.concatenate(planes).tolist())
+    return f"{head}\n{body}\n".encode()
+
+
+@pytest.mark.parametrize("count", [True, False])
+@pytest.mark.parametrize("three", [True, False])
+def test_all_forms_of_plot3d(count, three):
+    assert plot3d.decode(plot3d_text(count=count, three=three)) == SWAN
+    with pytest.raises(GridgenError, match="do not fit its header"):
+        plot3d.decode(plot3d_text(count=count, three=three) + b"1.0\n")
+
+
+def test_the_written_form_of_plot3d():
+    lines = plot3d.encode(SWAN).decode().splitlines()
+    assert lines[:4] == ["1", "5 4 1", "0", "0.25"]
+    assert len(lines) == 2 + 60
+    assert lines[-20:] == ["0"] * 20
+
+
+def test_a_header_without_lines_of_its_own():
+    for count in (True, False):
+        for three in (True, False):
+            text = plot3d_text(count=count, three=three)
+            assert plot3d.decode(text.replace(b"\n", b" ")) == SWAN
+            assert plot3d.decode(b"\n".join(text.split())) == SWAN
+            assert plot3d.decode(text.replace(b"\n", b"\r\n")) == SWAN
+
+
+def test_a_spatial_file_cut_short_does_not_pass_for_a_plane_one():
+    words = plot3d.encode(SWAN).decode().splitlines()
+    with pytest.raises(GridgenError, match="43 numbers do not fit"):
+        plot3d.decode("\n".join([*words[:2], *words[2:41], ""]).encode())
+
+
+def test_fortran_shorthands():
+    body = plot3d_text().decode().replace("0.0\n" * 20, "20*0.0\n").replace("0.25\n", "2.5D-1,\n")
+    assert "20*" in body
+    assert "D-1" in body
+    assert plot3d.decode(body.encode()) == SWAN
+    with pytest.raises(GridgenError, match="repeat count"):
+        plot3d.decode(b"1 5 4 1 99999999999*0.0")
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"1\n3 3 2\n" + b"0 " * 54, "volume with 2 k planes"),
+        (b"1\n3 3 1\n" + b"0 " * 18 + b"0 0 0 0 1 0 0 0 0", "its z varies"),
+        (b"2\n3 3 1\n3 3 1\n" + b"0 " * 54, "may count several blocks"),
+        (b"3 3\n" + b"0 " * 17, "do not fit its header"),
+        (b"-3 -3\n" + b"0 " * 18, "do not fit its header"),
+        (b"3 3\n" + b"0 " * 17 + b"x", "could not convert"),
+        (b"\x05\x00\x00\x80\x04", "may be binary"),
+    ],
+)
+def test_a_plot3d_file_with_a_fault(data, message):
+    with pytest.raises(GridgenError, match=message):
+        plot3d.decode(data)
+
+
+def test_the_csv_text_and_rows_in_any_order():
+    header, *rows = tables.encode_csv(SWAN).decode().splitlines()
+    assert header == "i,j,x,y"
+    assert rows[0].startswith("4,3,1,1")
+    assert rows[-5] == "1,0,0.25,0"
+    assert tables.decode_csv("\r\n".join([" I, J, X, Y", *rows[::-1], ""]).encode("utf-8-sig")) == SWAN
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("i,j,x,y", "x,y", "line 1 is 'x,y'; expected the header 'i,j,x,y'"),
+        ("1,0,0.25,0\n", "", "reach 5 x 4 nodes, but it has 19 rows"),
+        ("1,0,0.25,0\n", "0,0,0.25,0\n", r"node \(1, 0\) is missing"),
+        ("1,0,0.25,0\n", "999999999,0,0.25,0\n", "but it has 20 rows"),
+        ("1,0,0.25,0\n", "-1,0,0.25,0\n", "whole numbers from 0"),
+        ("1,0,0.25,0\n", "1.5,0,0.25,0\n", "whole numbers from 0"),
+        ("1,0,0.25,0\n", "1,0,0.25\n", "four numbers a row"),
+        ("1,0,0.25,0\n", "1,0,a,0\n", "four numbers a row"),
+        ("1,0,0.25,0\n", "1,0,nan,0\n", r"node \(1, 0\) is \(nan"),
+    ],
+)
+def test_a_csv_file_with_a_fault(old, new, message):
+    text = tables.encode_csv(SWAN).decode()
+    assert old in text
+    with pytest.raises(GridgenError, match=message):
+        tables.decode_csv(text.replace(old, new).encode())
+
+
+def npz(**arrays):
+    """A NumPy archive as bytes."""
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)
+    return stream.getvalue()
+
+
+def test_npz_of_other_writers():
+    assert tables.decode_npz(npz(xy=SWAN.xy, note=np.array("more"))) == SWAN
+    with pytest.raises(GridgenError, match="it holds points, z; expected the array 'xy'"):
+        tables.decode_npz(npz(points=SWAN.xy, z=SWAN.x))
+    with pytest.raises(GridgenError, match=r"no whole NumPy archive.*allow_pickle"):
+        tables.decode_npz(npz(xy=np.array([{}, {}], dtype=object)))
+    stream = io.BytesIO()
+    np.save(stream, SWAN.xy)
+    with pytest.raises(GridgenError, match="no whole NumPy archive"):
+        tables.decode_npz(stream.getvalue())
+
+
+def test_vtk_reads_what_is_written(tmp_path):
+    """Reading back by the reference implementation, where it is installed."""
+    io_xml = pytest.importorskip("vtkmodules.vtkIOXML")
+    io_parallel = pytest.importorskip("vtkmodules.vtkIOParallel")
+    support = pytest.importorskip("vtkmodules.util.numpy_support")
+    SWAN.write(tmp_path / "grid.vts")
+    SWAN.write(tmp_path / "grid.xyz")
+    vts = io_xml.vtkXMLStructuredGridReader()
+    vts.SetFileName(str(tmp_path / "grid.vts"))
+    vts.Update()
+    p3d = io_parallel.vtkMultiBlockPLOT3DReader()
+    p3d.SetFileName(str(tmp_path / "grid.xyz"))
+    p3d.BinaryFileOff()
+    p3d.MultiGridOn()
+    p3d.DoublePrecisionOn()
+    p3d.Update()
+    for block in (vts.GetOutput(), p3d.GetOutput().GetBlock(0)):
+        assert block.GetExtent() == (0, 4, 0, 3, 0, 0)
+        points = support.vtk_to_numpy(block.GetPoints().GetData()).reshape(4, 5, 3)
+        assert points[..., :2].transpose(1, 0, 2) == pytest.approx(SWAN.xy, abs=1e-15)

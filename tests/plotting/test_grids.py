@@ -1,0 +1,144 @@
+"""Pictures of grids."""
+
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from gridgen_sym.boundary import domain
+from gridgen_sym.errors import GridgenError, MissingExtraError
+from gridgen_sym.grids import Grid
+from gridgen_sym.plotting import plot_grid, plot_grids
+
+pytest.importorskip("matplotlib")
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+
+RED = np.array([0xD7, 0x19, 0x1C])
+
+
+def parts(ax):
+    """The numbers of line collections' lines, and of filled cells."""
+    lines = [len(c.get_segments()) for c in ax.collections if isinstance(c, LineCollection)]
+    cells = [len(c.get_paths()) for c in ax.collections if isinstance(c, PolyCollection)]
+    return lines, cells
+
+
+def red_pixels(path):
+    """How many pixels of a PNG are nearly the color of folded cells."""
+    from matplotlib.image import imread
+
+    pixels = imread(path)[..., :3] * 255
+    return int((np.abs(pixels - RED).max(axis=-1) < 25).sum())
+
+
+def test_a_valid_grid(tmp_path):
+    figure = plot_grid(domain("wavy", 9, 7), tmp_path / "wavy.png", title="wavy")
+    (ax,) = figure.axes
+    assert parts(ax) == ([16, 4], [])
+    assert ax.get_title() == "wavy"
+    assert ax.get_legend() is None
+    assert ax.get_aspect() == 1.0
+    assert (tmp_path / "wavy.png").read_bytes().startswith(b"\x89PNG")
+    assert red_pixels(tmp_path / "wavy.png") == 0
+    assert [p.name for p in tmp_path.iterdir()] == ["wavy.png"]
+
+
+def test_folded_cells_are_filled_and_counted():
+    figure = plot_grid(domain("swan", 41, 41))
+    (ax,) = figure.axes
+    assert parts(ax) == ([82, 4], [57])
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["57 folded cells"]
+
+
+def test_one_tiny_folded_cell_is_seen(tmp_path):
+    xy = domain("square", 601, 601).xy
+    xy[300, 300] = xy[299, 299] + 0.45 / 600  # Over the diagonal of one cell that is a pixel wide.
+    figure = plot_grid(Grid(xy), tmp_path / "tiny.png")
+    (ax,) = figure.axes
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["1 folded cell"]
+    assert red_pixels(tmp_path / "tiny.png") > 40  # The marker in the legend has about 35 by itself.
+
+
+def test_a_large_grid_is_thinned_and_says_so():
+    figure = plot_grid(domain("square", 1025, 513), title="large")
+    (ax,) = figure.axes
+    assert ax.get_title() == "large\none line in 4 is drawn"
+    lines, _ = parts(ax)
+    assert lines[0] == 257 + 129
+
+
+def test_panels(tmp_path):
+    figure = plot_grids([(name, domain(name, 9, 9)) for name in ("swan", "zee", "naca", "wavy")], tmp_path / "p.png")
+    assert [ax.get_title() for ax in figure.axes] == ["swan", "zee", "naca", "wavy"]
+    assert (tmp_path / "p.png").stat().st_size > 10_000
+    for grids, columns in (([], 3), ([("a", domain("square", 3, 3))], 0)):
+        with pytest.raises(GridgenError, match="needs a grid and a column"):
+            plot_grids(grids, columns=columns)
+
+
+def test_axes_of_the_caller():
+    figure = Figure()
+    left, right = figure.subplots(1, 2)
+    assert plot_grid(domain("square", 4, 4), ax=right) is figure
+    assert parts(left) == ([], [])
+    assert parts(right) == ([8, 4], [])
+    inner = figure.subfigures(1, 1).add_subplot()
+    assert plot_grid(domain("square", 4, 4), ax=inner) is figure
+
+
+def test_what_is_no_grid_is_refused():
+    for draw, match in (
+        (lambda: plot_grid(domain("square", 4, 4).xy), "expected a Grid, came ndarray"),
+        (lambda: plot_grids([("a", domain("square", 4, 4).xy)]), "expected a Grid, came ndarray"),
+        (lambda: plot_grids([domain("square", 4, 4)]), "takes pairs of a title and a grid; came Grid"),
+    ):
+        with pytest.raises(GridgenError, match=match):
+            draw()
+
+
+def test_degenerate_grids_are_drawn_without_warnings(tmp_path):
+    for xy in (
+        np.ones((3, 3, 2)),
+        np.stack(np.meshgrid(np.arange(3.0), np.zeros(3), indexing="ij"), axis=-1),
+    ):
+        plot_grid(Grid(xy), tmp_path / "degenerate.png")
+
+
+@pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
+def test_kinds_of_pictures(tmp_path, suffix):
+    plot_grid(domain("square", 4, 4), tmp_path / f"picture.{suffix}")
+    assert (tmp_path / f"picture.{suffix}").stat().st_size > 1000
+
+
+def test_bad_places(tmp_path):
+    square = domain("square", 4, 4)
+    for name in ("picture.xyz", "picture"):
+        with pytest.raises(GridgenError, match=r"suffix must be one of .*\.png"):
+            plot_grid(square, tmp_path / name)
+    with pytest.raises(GridgenError, match="does not exist"):
+        plot_grid(square, tmp_path / "none" / "picture.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pyplot_is_not_loaded():
+    code = (
+        "import sys, gridgen_sym as g; g.plot_grid(g.domain('square', 4, 4)); "
+        "print('matplotlib.pyplot' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
+def test_without_matplotlib_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    for draw in (lambda g: plot_grid(g), lambda g: plot_grids([("a", g)])):
+        with pytest.raises(MissingExtraError, match=r"gridgen-sym\[plot\]") as caught:
+            draw(domain("square", 4, 4))
+    back = pickle.loads(pickle.dumps(caught.value))  # As from a worker process, whose pool would break otherwise.
+    assert type(back) is MissingExtraError
+    assert str(back) == str(caught.value)
