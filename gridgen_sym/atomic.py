@@ -3,52 +3,119 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import secrets
+import stat
 from pathlib import Path
+from typing import BinaryIO
 
 from .errors import GridgenError
 
 
-def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = None) -> None:
     """Write a file so that `path` holds either what it held before or all of `data`, at every moment.
 
     The data go to a new file in the same folder, are flushed to the disk, and are then renamed over `path`;
-    if anything fails, the new file is removed again. A symbolic link is followed, not replaced.
+    if anything fails, the new file is removed again. A file that is replaced hands on its permissions. A symbolic link
+    is followed, not replaced. A character device, and a pipe that is being read, are written to.
+
+    Args:
+        path: the file.
+        data: its content.
+        mode: its permissions; by default those of the file that is replaced, or what the user's umask leaves.
 
     Raises:
-        GridgenError: if the folder is missing or closed to us, the disk full, or `path` a folder.
+        GridgenError: if the folder is missing or closed to us, the disk full, the file read-only, or `path` a folder
+            or another thing that is no file.
     """
     target = Path(os.path.realpath(path))
     if os.path.isdir(target):  # Unlike Path.is_dir, never an error, not even for a name too long.
         raise GridgenError(f"cannot write {path}: it is a folder; name a file in it")
     if not os.path.isdir(target.parent):
         raise GridgenError(f"cannot write {path}: the folder {target.parent} does not exist; make it first")
-    temporary = target.parent / f".gridgen-{os.getpid()}-{secrets.token_hex(6)}.tmp"
     try:
-        # Not tempfile: its files are closed to everyone else, whatever the user's umask says.
-        with temporary.open("xb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(target)
+        _check_link(Path(path))
+        old = target.lstat() if os.path.lexists(target) else None  # A link that is left goes round in circles.
+        if old is None or stat.S_ISREG(old.st_mode):
+            _replace(target, data, mode, old)
+        else:
+            _pour(target, data, old.st_mode)
     except OSError as error:
         raise GridgenError(
             f"cannot write {path}: {error.strerror or error}; check the permissions and the free space of "
             "its folder, or write elsewhere"
         ) from error
+
+
+def _check_link(path: Path) -> None:
+    """Refuse a symbolic link that another user has laid in a folder for everyone, such as /tmp, as Linux does."""
+    if not path.is_symlink() or not hasattr(os, "geteuid"):
+        return
+    folder = path.parent.stat()
+    everyone = folder.st_mode & stat.S_ISVTX and folder.st_mode & stat.S_IWOTH
+    if everyone and path.lstat().st_uid not in (os.geteuid(), folder.st_uid):
+        raise GridgenError(
+            f"cannot write {path}: it is another user's symbolic link in a folder for everyone; name the file itself"
+        )
+
+
+def _replace(target: Path, data: bytes, mode: int | None, old: os.stat_result | None) -> None:
+    """Write a new file beside `target` and rename it over that; `old` is what is known of the present one."""
+    if old is not None and not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    temporary = target.parent / f".gridgen-{os.getpid()}-{secrets.token_hex(6)}.tmp"
+    try:
+        # Not tempfile: its files are closed to everyone else, whatever the user's umask says.
+        with temporary.open("xb") as stream:
+            _set_permissions(stream, mode, old)
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        temporary.replace(target)
     finally:  # After the rename there is nothing to remove; after an error or an interrupt there is.
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def _set_permissions(stream: BinaryIO, mode: int | None, old: os.stat_result | None) -> None:
+    """Give a new file the permissions `mode`, or else those of the old one and, as far as we may, its owner."""
+    if not hasattr(os, "fchmod"):  # Windows.
+        return
+    if mode is not None:
+        os.fchmod(stream.fileno(), mode)
+    elif old is not None:
+        with contextlib.suppress(OSError):
+            os.fchown(stream.fileno(), old.st_uid, old.st_gid)
+        os.fchmod(stream.fileno(), stat.S_IMODE(old.st_mode) & 0o777)
+
+
+def _pour(target: Path, data: bytes, mode: int) -> None:
+    """Write to a character device, or to a pipe that some program reads."""
+    if not (stat.S_ISCHR(mode) or stat.S_ISFIFO(mode)):
+        raise GridgenError(f"cannot write {target}: it is neither a file nor a device that takes characters")
+    try:
+        # Without waiting: a pipe that nobody reads would hold us up for ever.
+        number = os.open(target, os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY)
+    except OSError as error:
+        if error.errno == errno.ENXIO and stat.S_ISFIFO(mode):
+            raise GridgenError(f"cannot write {target}: no program reads that pipe; start its reader first") from error
+        raise
+    os.set_blocking(number, True)
+    with open(number, "wb") as stream:
+        stream.write(data)
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
     """Return the bytes of a file, of which there must be some.
 
     Raises:
-        GridgenError: if the file is missing, a folder, closed to us, or empty.
+        GridgenError: if the file is missing, a folder, a device, closed to us, or empty.
     """
     try:
+        status = os.stat(path)
+        if stat.S_ISCHR(status.st_mode) or stat.S_ISBLK(status.st_mode):  # Such as /dev/zero, which has no end.
+            raise GridgenError(f"cannot read {path}: it is a device; name a file")
         data = Path(path).read_bytes()
     except FileNotFoundError as error:
         raise GridgenError(f"cannot read {path}: there is no such file; check its name and folder") from error

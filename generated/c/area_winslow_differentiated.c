@@ -24,41 +24,47 @@
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
+/* What a kernel or a part of it does not call is no fault: Clang warns of inline functions, too. */
+#if defined(__GNUC__)
+#define UNUSED __attribute__((unused))
+#else
+#define UNUSED
+#endif
 /* With ONLY_A_PART and, say, ONLY_SWEEP defined, only that part is exported: the rest is unused, and compiles in no time. */
 #if defined(ONLY_A_PART) && !defined(ONLY_ENERGY)
-#define EXPORT_ENERGY static
+#define EXPORT_ENERGY static UNUSED
 #else
 #define EXPORT_ENERGY EXPORT
 #endif
 #if defined(ONLY_A_PART) && !defined(ONLY_HESSIAN)
-#define EXPORT_HESSIAN static
+#define EXPORT_HESSIAN static UNUSED
 #else
 #define EXPORT_HESSIAN EXPORT
 #endif
 #if defined(ONLY_A_PART) && !defined(ONLY_SEMIDEFINITE)
-#define EXPORT_SEMIDEFINITE static
+#define EXPORT_SEMIDEFINITE static UNUSED
 #else
 #define EXPORT_SEMIDEFINITE EXPORT
 #endif
 #if defined(ONLY_A_PART) && !defined(ONLY_PRODUCTS)
-#define EXPORT_PRODUCTS static
+#define EXPORT_PRODUCTS static UNUSED
 #else
 #define EXPORT_PRODUCTS EXPORT
 #endif
 #if defined(ONLY_A_PART) && !defined(ONLY_SWEEP)
-#define EXPORT_SWEEP static
+#define EXPORT_SWEEP static UNUSED
 #else
 #define EXPORT_SWEEP EXPORT
 #endif
 #if defined(ONLY_A_PART) && !defined(ONLY_EQUATIONS)
-#define EXPORT_EQUATIONS static
+#define EXPORT_EQUATIONS static UNUSED
 #else
 #define EXPORT_EQUATIONS EXPORT
 #endif
 /* A loop that is inlined into another loses `restrict`, and then does not vectorise: such functions are kept apart. */
 #if defined(__GNUC__)
-#define INLINE static inline __attribute__((always_inline))
-#define APART static __attribute__((noinline))
+#define INLINE static inline __attribute__((always_inline, unused))
+#define APART static __attribute__((noinline, unused))
 #else
 #define INLINE static inline
 #define APART static

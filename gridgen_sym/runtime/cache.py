@@ -2,12 +2,16 @@
 
 The name of a kept file ends with the digest of its content. So a file that is not what was written is never used, and
 nobody waits for anybody: of two processes that make the same thing each writes it whole, under the same name.
+
+What is kept runs as the user: so the folder must be the user's own, and nobody else can write in it.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import shlex
+import stat
 import tempfile
 from functools import lru_cache
 from pathlib import Path
@@ -22,13 +26,16 @@ def cache_folder() -> Path:
     """Return the folder of compiled kernels: GRIDGEN_SYM_CACHE, else the user's cache folder.
 
     Where that cannot be written, a temporary folder that lives as long as the process, and says so.
+
+    Raises:
+        GridgenError: if the folder is another user's, or others can write in it.
     """
     import platformdirs
 
     chosen = os.environ.get("GRIDGEN_SYM_CACHE")
     folder = Path(chosen) if chosen else platformdirs.user_cache_path("gridgen_sym")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        _make_private(folder)
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except OSError as error:
@@ -44,11 +51,52 @@ def _process_folder() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="gridgen_sym-")
 
 
+def _make_private(folder: Path) -> None:
+    """Make a folder in which only the user may write, or check that it is one.
+
+    Raises:
+        GridgenError: if others can change what is in it.
+        OSError: if it cannot be made.
+    """
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(mode=0o700, exist_ok=True)
+    status = folder.stat()
+    fault = _distrust(status)
+    if fault:
+        shared = status.st_mode & stat.S_ISVTX  # Such as /tmp, which is meant for everyone.
+        repair = "" if shared or not fault.startswith("can") else f"run  chmod go-w {shlex.quote(str(folder))}  or "
+        raise GridgenError(
+            f"the cache folder {folder} {fault}, and what is kept there runs in your name: {repair}set "
+            "GRIDGEN_SYM_CACHE to a folder of your own"
+        )
+
+
+def _distrust(status: os.stat_result) -> str:
+    """Return why another user (not root) can change a file or folder; empty if nobody can."""
+    if not hasattr(os, "geteuid"):  # Windows, where a user's folder is closed to others by inheritance.
+        return ""
+    if status.st_uid not in (0, os.geteuid()):
+        return f"belongs to another user (number {status.st_uid})"
+    if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        return f"can be written by other users (mode {stat.S_IMODE(status.st_mode):04o})"
+    return ""
+
+
 def find(stem: str, suffix: str) -> Path | None:
-    """Return the file that was kept under a stem (a name, maybe in a folder), if it is as it was written."""
+    """Return the file that was kept under a stem (a name, maybe in a folder), if it is as it was written.
+
+    A file that others can write is as good as none: it is made again.
+
+    Raises:
+        GridgenError: if others can write in its folder.
+    """
+    folder = (cache_folder() / stem).parent
+    if not folder.is_dir():
+        return None
+    _make_private(folder)
     for path in sorted(cache_folder().glob(f"{stem}-*{suffix}")):
         try:
-            if path.name == _name(stem, path.read_bytes(), suffix):
+            if not _distrust(path.stat()) and path.name == _name(stem, path.read_bytes(), suffix):
                 return path
         except OSError:  # It cannot be read: as good as none.
             continue
@@ -64,8 +112,8 @@ def keep(stem: str, suffix: str, content: bytes) -> Path:
     name = _name(stem, content, suffix)
     path = (cache_folder() / stem).with_name(name)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_bytes(path, content)
+        _make_private(path.parent)
+        write_bytes(path, content, mode=0o600)
     except (GridgenError, OSError) as error:
         say_once(f"{error}: what is made now is lost with this process")
         path = Path(_process_folder().name) / name

@@ -2,91 +2,25 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
-import os
 import platform
-import shutil
-import signal
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 from ..errors import GridgenError
-from ..messages import say, say_once
+from ..messages import say
 from . import cache
+from .process import run
 from .threads import threads_that_sleep
+from .toolchain import Compiler
+from .toolchain import find_compiler as find_compiler
 
-#: No -ffast-math: a fold and a NaN must stay visible.
-FLAGS = (
-    "-std=c99", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math",
-    "-fPIC", "-shared", "-fvisibility=hidden",
-)  # fmt: skip
-_OPENMP_TRIAL = "#include <omp.h>\nint trial(void) { return omp_get_max_threads(); }\n"
-_COMPILE_SECONDS, _VERSION_SECONDS = 300, 30
+_COMPILE_SECONDS = 300
+#: Characters of the compiler's messages that are shown.
+_MESSAGES = 4000
 _WITHOUT = "GRIDGEN_SYM_BACKEND=numpy works without a compiler."
-
-
-@dataclass(frozen=True, slots=True)
-class Compiler:
-    """A C compiler that has been found.
-
-    Attributes:
-        path: the program.
-        version: first line of what it says of itself.
-        openmp: whether it can compile and link OpenMP.
-    """
-
-    path: str
-    version: str
-    openmp: bool
-
-    def command(self, source: Path, library: Path) -> list[str]:
-        """Return the command that compiles one source file to a shared library."""
-        parallel = ("-fopenmp",) if self.openmp else ("-Wno-unknown-pragmas",)
-        return [self.path, *FLAGS, *parallel, "-o", str(library), str(source), "-lm"]
-
-
-@lru_cache(maxsize=1)
-def find_compiler() -> Compiler | None:
-    """Return the C compiler named by CC, or cc, gcc or clang; None where there is none."""
-    named = os.environ.get("CC", "").split()
-    if named and not shutil.which(named[0]):
-        say_once(f"CC names {named[0]!r}, which is not found: cc, gcc and clang are tried instead")
-    for candidate in (*named[:1], "cc", "gcc", "clang"):
-        path = shutil.which(candidate)
-        if path and (version := _version(path)):
-            return Compiler(path, version, _supports_openmp(path, version))
-    return None
-
-
-def _version(path: str) -> str:
-    told = _run([path, "--version"], _VERSION_SECONDS)
-    return told.stdout.splitlines()[0] if told and told.returncode == 0 and told.stdout else ""
-
-
-def _supports_openmp(path: str, version: str) -> bool:
-    """Try OpenMP once per compiler; the answer is kept in the cache."""
-    stem = f"openmp-{cache.digest(path, version)}"
-    answer = cache.find(stem, "")
-    if answer is None:
-        told = _openmp_trial(path)
-        if told is None or told.returncode < 0:
-            return False  # It was killed, or did not end: no answer.
-        answer = cache.keep(stem, "", b"no" if told.returncode else b"yes")
-    return answer.read_bytes() == b"yes"
-
-
-def _openmp_trial(path: str) -> subprocess.CompletedProcess[str] | None:
-    with contextlib.suppress(OSError), tempfile.TemporaryDirectory() as folder:
-        source = Path(folder) / "trial.c"
-        source.write_text(_OPENMP_TRIAL)
-        command = [path, "-fopenmp", "-fPIC", "-shared", "-o", str(Path(folder) / "trial.so"), str(source)]
-        return _run(command, _COMPILE_SECONDS)
-    return None
 
 
 def open_library(name: str, source: str, part: str = "") -> ctypes.CDLL:
@@ -135,7 +69,7 @@ def _build(compiler: Compiler, name: str, source: str) -> bytes:
         with tempfile.TemporaryDirectory(prefix="gridgen_sym-build-") as folder:
             code, built = Path(folder) / f"{name}.c", Path(folder) / f"{name}.so"
             code.write_text(source, encoding="utf-8")
-            told = _run(compiler.command(code, built), _COMPILE_SECONDS)
+            told = run(compiler.command(code, built), _COMPILE_SECONDS)
             _check(compiler, name, told)
             return built.read_bytes()
     except OSError as error:
@@ -148,54 +82,36 @@ def _build(compiler: Compiler, name: str, source: str) -> bytes:
 def _check(compiler: Compiler, name: str, told: subprocess.CompletedProcess[str] | None) -> None:
     """Raise a `GridgenError` unless the compiler ended well."""
     if told is None:
-        raise GridgenError(f"{compiler.path} did not finish the kernels of {name} in {_COMPILE_SECONDS} s. {_WITHOUT}")
-    # The driver tells with exit code 1 of a part of it that was killed.
+        raise GridgenError(f"{compiler.words} did not finish the kernels of {name} in {_COMPILE_SECONDS} s. {_WITHOUT}")
+    # The driver exits with 1 when a part of it was killed.
     if told.returncode < 0 or "terminated program" in told.stderr:
         raise GridgenError(
-            f"{compiler.path} was killed while it compiled the kernels of {name}, perhaps for want of memory: run this "
-            f"again. {_WITHOUT}"
+            f"{compiler.words} was killed while it compiled the kernels of {name}, perhaps for want of memory: run "
+            f"this again. {_WITHOUT}"
         )
     if told.returncode:
-        raise GridgenError(
-            f"{compiler.path} ({compiler.version}) rejected the generated kernels of {name}; this is a bug of "
-            f"gridgen_sym unless the compiler is broken or the disk full. Its messages:\n{told.stderr.strip()[:4000]}\n"
-            f"{_WITHOUT}"
+        raise GridgenError(f"{_rejection(compiler, name, told.stderr.strip()[:_MESSAGES])}\n{_WITHOUT}")
+
+
+def _rejection(compiler: Compiler, name: str, messages: str) -> str:
+    """Return whose fault it is that a kernel was rejected, and the compiler's messages."""
+    program = f"{compiler.words} ({compiler.version})"
+    failure = compiler.failure()
+    if failure:
+        return (
+            f"{program} compiles no program at all, not even one of four lines: install another compiler or the "
+            f"headers of the C library (Debian: apt install libc6-dev), or correct CC. Its messages:\n"
+            f"{failure[:_MESSAGES]}"
         )
-
-
-def _run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] | None:
-    """Run a program to its end; None if it cannot be started, or does not end in time.
-
-    Whatever ends the wait, Ctrl-C too, ends the program with all that it has started: a compiler is a driver, whose
-    parts would hold its pipes open.
-    """
-    try:
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            errors="replace",
-            start_new_session=True,
+    if compiler.options:
+        return (
+            f"{program} rejected the generated kernels of {name}, perhaps because of the options in CC: try it without "
+            f"them. Its messages:\n{messages}"
         )
-    except OSError:
-        return None
-    with process:
-        try:
-            out, err = process.communicate(timeout=seconds)
-        except subprocess.TimeoutExpired:
-            _kill(process)
-            return None
-        except BaseException:
-            _kill(process)
-            raise
-    return subprocess.CompletedProcess(command, process.returncode, out, err)
-
-
-def _kill(process: subprocess.Popen[str]) -> None:
-    with contextlib.suppress(OSError):
-        os.killpg(process.pid, signal.SIGKILL)
+    return (
+        f"{program} rejected the generated kernels of {name}; this is a bug of gridgen_sym unless the compiler is "
+        f"broken or the disk full. Its messages:\n{messages}"
+    )
 
 
 def _processor() -> str:

@@ -3,26 +3,71 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+
+from ..messages import say_once
 
 #: Grids with fewer nodes are worked on by one thread: starting more would take longer.
 _NODES_PER_THREAD = 8192
 #: How an OpenMP library is told to wait, at the time when it is loaded: GCC's for so many turns of a loop, then asleep.
 _WAITING = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "10000"}
+_COUNT = re.compile("0*[1-9][0-9]{0,8}")
+
+
+@dataclass(slots=True)
+class _Team:
+    """What became of OpenMP's threads: a child process has none of its parent's, and waits for them for ever.
+
+    Attributes:
+        started: whether more than one thread has been asked for in this process.
+        lost: whether this process was forked from one that had started some.
+    """
+
+    started: bool = False
+    lost: bool = False
+
+    def note_fork(self) -> None:
+        """Note, in a child process, what it does not have."""
+        self.lost |= self.started
+
+
+_team = _Team()
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_team.note_fork)
 
 
 def thread_count() -> int:
     """Return the number of threads for large grids: OMP_NUM_THREADS, else the processors that may be used."""
-    wanted = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0].strip()
-    if wanted.isdigit() and int(wanted) > 0:
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    text = os.environ.get("OMP_NUM_THREADS", "").strip()
+    wanted = text.partition(",")[0].strip()
+    if _COUNT.fullmatch(wanted):
         return int(wanted)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if text:
+        say_once(
+            f"OMP_NUM_THREADS is {text[:60]!r}, which does not begin with a whole number from 1 on: "
+            f"all {processors} processors are used"
+        )
+    return processors
 
 
 def threads_for(nodes: int) -> int:
-    """Return the number of threads for a grid of so many nodes."""
-    return max(1, min(thread_count(), nodes // _NODES_PER_THREAD))
+    """Return the number of threads for a grid of so many nodes.
+
+    It is one in a process that was forked (by `multiprocessing`, say) from one that had used more.
+    """
+    count = max(1, min(thread_count(), nodes // _NODES_PER_THREAD))
+    if count > 1 and _team.lost:
+        say_once(
+            "this process was forked from one that had used several threads, so it uses one: let multiprocessing "
+            "start processes by 'spawn' or 'forkserver' to use more"
+        )
+        return 1
+    _team.started |= count > 1
+    return count
 
 
 @contextmanager

@@ -19,7 +19,7 @@ import pytest
 from gridgen_sym import domain, messages
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.functionals import define, functional
-from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels
+from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels, toolchain
 from gridgen_sym.runtime.compiler import compile_library
 from gridgen_sym.runtime.load import PARTS, SIGNATURES
 from gridgen_sym.runtime.sources import find_sources
@@ -137,14 +137,70 @@ def test_an_unknown_backend_is_an_error(name, monkeypatch, cache):
 
 
 def test_a_compiler_that_rejects_a_kernel_is_an_error_with_its_messages(monkeypatch, tmp_path, cache):
-    rejecting = script(tmp_path / "rejecting", 'echo "length.c:7:1: error: not today" >&2', "exit 1")
-    monkeypatch.setenv("CC", rejecting)
+    rejecting = ('case "$*" in *length*) echo "length.c:7:1: error: not today" >&2; exit 1;; esac', "exit 0")
+    monkeypatch.setenv("CC", script(tmp_path / "rejecting", *rejecting))
     with pytest.raises(GridgenError, match=r"rejected the generated kernels of length(.|\n)*error: not today") as told:
         kernels(functional("length"))
     assert "script 1.0" in str(told.value)
     assert "GRIDGEN_SYM_BACKEND=numpy" in str(told.value)
     assert libraries(cache) == []
     assert not list(cache.glob(".build-*"))
+
+
+def test_a_compiler_that_compiles_nothing_is_not_called_a_bug(monkeypatch, tmp_path, cache):
+    monkeypatch.setenv("CC", script(tmp_path / "broken", 'echo "stdint.h: No such file" >&2', "exit 1"))
+    with pytest.raises(GridgenError, match=r"compiles no program at all(.|\n)*stdint.h: No such file") as told:
+        compile_library("tiny", ANSWER)
+    assert "bug" not in str(told.value)
+
+
+# ---- the words of CC ----
+
+
+@needs_compiler
+def test_all_words_of_cc_are_used(monkeypatch, tmp_path, cache):
+    """As in "ccache gcc -O0": a program that runs the compiler, which comes right after it; options win over ours."""
+    launcher = tmp_path / "my launcher"
+    launcher.write_text(f'#!/bin/sh\necho "$@" >> "{tmp_path}/log"\nexec "$@"\n')
+    launcher.chmod(0o755)
+    monkeypatch.setenv("CC", f"'{launcher}' {COMPILER} -O0 -DNOTHING='a b'")
+    assert answer_of(compile_library("tiny", ANSWER)) == 42
+    first, *_, last = (tmp_path / "log").read_text().splitlines()
+    assert first == f"{COMPILER} --version"
+    assert last.startswith(f"{COMPILER} -std=c99 -O3")
+    assert last.index("-O0 -DNOTHING=a b") > last.index("-O3")
+    assert len(libraries(cache)) == 1
+    monkeypatch.setenv("CC", f"'{launcher}' {COMPILER} -O1")
+    find_compiler.cache_clear()
+    compile_library("tiny", ANSWER)
+    assert len(libraries(cache)) == 2
+
+
+@needs_compiler
+def test_options_of_cc_that_reject_a_kernel_are_not_called_a_bug(monkeypatch, cache):
+    monkeypatch.setenv("CC", f"{COMPILER} -Wmissing-prototypes -Werror")
+    with pytest.raises(GridgenError, match="perhaps because of the options in CC: try it without them") as told:
+        compile_library("tiny", "double odd(void) { return 1; }\n")
+    assert "bug" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("named", "message"),
+    [
+        ("no-such-compiler", "CC is 'no-such-compiler', but there is no program 'no-such-compiler': correct CC, or"),
+        ("'gcc", "which a shell could not split into words"),
+        ("false -O0", "CC is 'false -O0', but  .*false --version  fails, so that it is no working compiler"),
+        ("cc -Ofast", "-Ofast lets the compiler assume that no number is infinite or NaN.*leave it out"),
+    ],
+)
+def test_a_cc_that_cannot_be_used_is_an_error_and_not_replaced(named, message, monkeypatch, cache):
+    monkeypatch.setenv("CC", named)
+    with pytest.raises(GridgenError, match=message):
+        kernels(functional("length"))
+    assert kernels(functional("length"), backend="numpy").backend == "numpy"
+
+
+# ---- a compiler that takes too long, or is killed ----
 
 
 def test_a_compiler_that_never_ends_is_an_error_and_is_ended_with_its_parts(monkeypatch, tmp_path, cache):
@@ -220,22 +276,23 @@ def test_the_key_changes_with_everything_that_the_library_depends_on(monkeypatch
     told = [compile_library("tiny", ANSWER)]
     told.append(compile_library("tiny", ANSWER.replace("42", "43")))
     with monkeypatch.context() as change:
-        change.setattr(compiler, "FLAGS", (*compiler.FLAGS, "-DNOTHING"))
+        change.setattr(toolchain, "FLAGS", (*toolchain.FLAGS, "-DNOTHING"))
         told.append(compile_library("tiny", ANSWER))
     found = find_compiler()
-    for other in (replace(found, version="another"), replace(found, openmp=not found.openmp)):
+    changed = ({"version": "another"}, {"openmp": not found.openmp}, {"options": ("-O0",)})
+    for other in (replace(found, **change) for change in changed):
         with monkeypatch.context() as change:
             change.setattr(compiler, "find_compiler", lambda other=other: other)
             told.append(compile_library("tiny", ANSWER))
     with monkeypatch.context() as change:
         change.setattr(compiler, "_processor", lambda: "another")
         told.append(compile_library("tiny", ANSWER))
-    assert len(set(told)) == len(told) == 6
+    assert len(set(told)) == len(told) == 7
     assert answer_of(told[1]) == 43
 
 
 def test_no_flag_hides_a_fold_or_a_nan():
-    command = compiler.Compiler("cc", "", openmp=True).command(Path("source.c"), Path("library.so"))
+    command = toolchain.Compiler("cc", "", openmp=True).command(Path("source.c"), Path("library.so"))
     assert not {"-ffast-math", "-Ofast", "-ffinite-math-only", "-funsafe-math-optimizations"} & set(command)
 
 
@@ -294,6 +351,68 @@ def test_a_cache_folder_that_cannot_be_written_is_replaced_and_said(monkeypatch,
     told = capsys.readouterr().err
     assert told.count("cannot be written") == 1
     assert "set GRIDGEN_SYM_CACHE" in told
+
+
+needs_owners = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs POSIX permissions")
+
+
+@needs_owners
+def test_a_new_cache_is_closed_to_others_whatever_the_umask_says(cache):
+    before = os.umask(0)
+    try:
+        find_sources(define("mine", "g11 + 2*g22"), "plain")
+    finally:
+        os.umask(before)
+    assert {path.stat().st_mode & 0o077 for path in (cache, *cache.rglob("*"))} == {0}
+
+
+@needs_owners
+@pytest.mark.parametrize("folder", ["", "sources"])
+@pytest.mark.parametrize("mode", [0o770, 0o702, 0o777])
+def test_a_cache_folder_in_which_others_can_write_is_refused_with_the_repair(cache, folder, mode):
+    """What is kept there is run: who can write there could run what they want in the user's name."""
+    mine = define("mine", "g11 + 2*g22")
+    find_sources(mine, "plain")
+    opened = cache / folder
+    opened.chmod(mode)
+    forget()
+    repair = f"run  chmod go-w {opened}  or set GRIDGEN_SYM_CACHE"
+    with pytest.raises(GridgenError, match=f"can be written by other users .mode {mode:04o}.*{repair}"):
+        find_sources(mine, "plain")
+    opened.chmod(0o755)
+    assert all(path.is_relative_to(cache) for path in find_sources(mine, "plain"))
+
+
+@needs_owners
+def test_a_folder_for_everyone_is_no_cache_and_stays_as_it_is(cache):
+    cache.mkdir(mode=0o700)
+    cache.chmod(0o1777)  # Like /tmp: nobody should be told to close that.
+    with pytest.raises(GridgenError, match="can be written by other users") as told:
+        cache_folder()
+    assert "chmod" not in str(told.value)
+
+
+@needs_owners
+def test_a_cache_folder_of_another_user_is_refused(monkeypatch, cache):
+    cache.mkdir(mode=0o700)
+    monkeypatch.setattr(os, "geteuid", lambda: cache.stat().st_uid + 1)
+    if cache.stat().st_uid == 0:
+        os.chown(cache, 12345, 12345)
+    with pytest.raises(
+        GridgenError, match=r"belongs to another user \(number \d+\).*set GRIDGEN_SYM_CACHE to a folder"
+    ):
+        cache_folder()
+
+
+@needs_owners
+@needs_compiler
+def test_a_kept_file_that_others_can_write_is_made_again(cache):
+    library = compile_library("tiny", ANSWER)
+    library.chmod(0o666)
+    before = library.stat().st_ino
+    assert compile_library("tiny", ANSWER) == library
+    assert library.stat().st_ino != before
+    assert library.stat().st_mode & 0o022 == 0
 
 
 @needs_compiler
