@@ -127,8 +127,7 @@ def test_bad_places(tmp_path):
 
 def test_pyplot_is_not_loaded():
     code = (
-        "import sys, gridgen_sym as g; g.plot_grid(g.domain('square', 4, 4)); "
-        "print('matplotlib.pyplot' in sys.modules)"
+        "import sys, gridgen_sym as g; g.plot_grid(g.domain('square', 4, 4)); print('matplotlib.pyplot' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
