@@ -95,7 +95,8 @@ def check(name: str) -> None:
     failed = 0
     for line in checks(definition):
         failed += not line.passed
-        click.secho("ok      " if line.passed else "FAILED  ", fg="green" if line.passed else "red", nl=False)
+        color = {"ok": "green", "vacuous": "yellow", "FAILED": "red"}[line.word]
+        click.secho(f"{line.word:<8}", fg=color, nl=False)
         click.echo(line.text)
     if failed:
         click.secho(f"{failed} checks of {name} failed", fg="red", err=True)

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-import numpy as np
-
 from ..functionals import Functional
-from .check import Check, difference
+from .check import Check, both_zero, difference, failure
 from .derived import FIRST, SECOND, written_out
+from .samples import SIZES, metric, random_jets
 
 _DIGITS = 80
-#: Step of the differences, in arithmetic with so many digits.
-_STEP = "1e-16"
-_CORNERS = 5
+#: Step of the differences over the size of the corner, in arithmetic with so many digits.
+_STEP = "1e-24"
+#: Corners of each size.
+_CORNERS = 3
+_LIMIT = 1e-20
 
 Numbers = Mapping[str, Any]
 Formula = Callable[[Numbers], Any]
@@ -29,9 +30,7 @@ def _density(functional: Functional) -> Formula:
     evaluate = sympy.lambdify([sympy.Symbol(name, real=True) for name in names], expression, "mpmath")
 
     def density(values: Numbers) -> Any:  # noqa: ANN401
-        a, b, c, d = (values[name] for name in FIRST)
-        metric = {"g11": a * a + b * b, "g22": c * c + d * d, "g12": a * c + b * d, "J": a * d - b * c, "s": 1}
-        known = {**_parameters(functional), **values, **metric}
+        known = {**_parameters(functional), **values, **metric(*(values[name] for name in FIRST))}
         return evaluate(*(known[name] for name in names))
 
     return density
@@ -54,33 +53,61 @@ def _parameters(functional: Functional) -> dict[str, Any]:
     return {name: mpf(value) for name, value in functional.parameters.items()}
 
 
-def _random_jets(count: int) -> list[dict[str, Any]]:
-    """Return derivatives of maps, first and second, with J > 0."""
+def _jets(density: Formula) -> list[dict[str, Any]]:
+    """Return the derivatives of maps of all sizes at which the density has a real and finite value."""
     from mpmath import mpf
 
-    generator = np.random.default_rng(20)
-    jets = []
-    for _ in range(count):
-        first = np.array([1.0, 0.0, 0.0, 1.0]) + generator.uniform(-0.3, 0.3, 4)
-        values = zip((*FIRST, *SECOND), (*first, *generator.uniform(-1, 1, 6)), strict=True)
-        jets.append({name: mpf(float(value)) for name, value in values})
-    return jets
+    jets = [
+        {name: mpf(value) for name, value in jet.items()} | {"size": mpf(size)}
+        for size in SIZES
+        for jet in random_jets(_CORNERS, size)
+    ]
+    return [jet for jet in jets if _finite(lambda jet=jet: [density(jet)])]  # type: ignore[misc]
+
+
+def _finite(function: Callable[[], list[Any]]) -> list[Any] | None:
+    """Return the numbers of a function, or None where one of them does not exist, is infinite or is not real."""
+    import mpmath
+
+    try:
+        numbers = function()
+    except (ArithmeticError, ValueError):  # A division by zero; a logarithm of zero.
+        return None
+    return numbers if all(mpmath.isfinite(number) and mpmath.im(number) == 0 for number in numbers) else None
 
 
 def _slope(function: Formula, values: Numbers, move: Numbers) -> Any:  # noqa: ANN401
     """Return the central difference of a function along a move, given as changes of numbers by name."""
     from mpmath import mpf
 
-    h = mpf(_STEP)
+    h = mpf(_STEP) * values["size"]
     ahead, behind = ({**values, **{k: values[k] + sign * h * change for k, change in move.items()}} for sign in (1, -1))
     return (function(ahead) - function(behind)) / (2 * h)
 
 
-def _relative(found: list[Any], expected: list[Any]) -> float:
-    """Return the largest difference over the largest expected number."""
-    scale = max(abs(value) for value in expected)
-    error = max(abs(a - b) for a, b in zip(found, expected, strict=True))
-    return float(error / scale if scale else error)
+def _compare(name: str, jets: list[dict[str, Any]], found: Formula, expected: Formula) -> Check:
+    """Compare numbers at all jets: the largest difference over the size of what is expected there.
+
+    Args:
+        name: what is compared.
+        jets: where.
+        found: returns the derived numbers.
+        expected: returns the numbers by differences, and the size beside which an error counts.
+    """
+    if not jets:
+        return failure(name, _LIMIT, "the density is not finite at any corner that was tried")
+    errors, nonzero = [], False
+    for jet in jets:
+        numbers = _finite(lambda jet=jet: list(found(jet)))  # type: ignore[misc]
+        both = _finite(lambda jet=jet: [*expected(jet)])  # type: ignore[misc]
+        if numbers is None or both is None:
+            where = ", ".join(f"{key} = {float(jet[key]):.3g}" for key in FIRST)
+            return failure(name, _LIMIT, f"not finite at the corner {where}")
+        *values, scale = both
+        error = max(abs(a - b) for a, b in zip(numbers, values, strict=True))
+        nonzero = nonzero or bool(scale or error)
+        errors.append(float(error / scale if scale else error))
+    return difference(name, max(errors), _LIMIT) if nonzero else both_zero(name, _LIMIT)
 
 
 def corner_derivatives(functional: Functional) -> Iterator[Check]:
@@ -95,19 +122,23 @@ def corner_derivatives(functional: Functional) -> Iterator[Check]:
     def energy(values: Numbers) -> Any:  # noqa: ANN401
         return functional.corner_factor * density(values)
 
-    errors: dict[str, list[float]] = {"gradient": [], "Hessian": []}
+    def slopes(jet: Numbers) -> list[Any]:
+        return _scaled([_slope(energy, jet, {name: 1}) for name in FIRST])
+
+    def curves(jet: Numbers) -> list[Any]:
+        second = [lambda at, q=q: _slope(energy, at, {q: 1}) for q in FIRST]
+        return _scaled([_slope(along, jet, {p: 1}) for p in FIRST for along in second])
+
+    name = f"derived {{}} of a corner against differences in {_DIGITS} digits"
     with mpmath.workdps(_DIGITS):
-        for jet in _random_jets(_CORNERS):
-            slopes = [_slope(energy, jet, {name: 1}) for name in FIRST]
-            errors["gradient"].append(_relative(gradient(jet), slopes))
-            curves = [
-                _slope(lambda at, q=q: _slope(energy, at, {q: 1}), jet, {p: 1})  # type: ignore[misc]
-                for p in FIRST
-                for q in FIRST
-            ]
-            errors["Hessian"].append(_relative(hessian(jet), curves))
-    for name, values in errors.items():
-        yield difference(f"derived {name} of a corner against differences in {_DIGITS} digits", max(values), 1e-20)
+        jets = _jets(density)
+        yield _compare(name.format("gradient"), jets, gradient, slopes)
+        yield _compare(name.format("Hessian"), jets, hessian, curves)
+
+
+def _scaled(values: list[Any]) -> list[Any]:
+    """Return the values and the largest size of one."""
+    return [*values, max(abs(value) for value in values)]
 
 
 def equations(functional: Functional) -> Check:
@@ -116,22 +147,22 @@ def equations(functional: Functional) -> Check:
 
     from ..symbolic import euler_lagrange
 
-    density, errors = _density(functional), []
+    density = _density(functional)
     residual = _derived(list(euler_lagrange(functional).residual), functional)
-    with mpmath.workdps(_DIGITS):
-        for jet in _random_jets(_CORNERS):
-            along = {
-                "xi": {f"{r}_{d}": jet[f"{r}_xi{d}"] for r in "xy" for d in ("xi", "eta")},
-                "eta": {f"{r}_{d}": jet[f"{r}_{d}eta"] for r in "xy" for d in ("xi", "eta")},
-            }
-            terms = [
-                _slope(lambda at, p=f"{r}_{d}": _slope(density, at, {p: 1}), jet, along[d])  # type: ignore[misc]
-                for r in "xy"
-                for d in ("xi", "eta")
-            ]
-            size = max(abs(term) for term in terms) or 1
-            expected = [terms[0] + terms[1], terms[2] + terms[3]]
-            found = residual(jet)
-            errors.append(float(max(abs(a - b) for a, b in zip(found, expected, strict=True)) / size))
+
+    def terms(jet: Numbers) -> list[Any]:
+        along = {
+            "xi": {f"{r}_{d}": jet[f"{r}_xi{d}"] / jet["size"] for r in "xy" for d in ("xi", "eta")},
+            "eta": {f"{r}_{d}": jet[f"{r}_{d}eta"] / jet["size"] for r in "xy" for d in ("xi", "eta")},
+        }
+        found = [
+            _slope(lambda at, p=f"{r}_{d}": _slope(density, at, {p: 1}), jet, along[d])  # type: ignore[misc]
+            * jet["size"]
+            for r in "xy"
+            for d in ("xi", "eta")
+        ]
+        return [found[0] + found[1], found[2] + found[3], max(abs(term) for term in found)]
+
     name = f"derived Euler–Lagrange residual against differences in {_DIGITS} digits"
-    return difference(name, max(errors), 1e-20)
+    with mpmath.workdps(_DIGITS):
+        return _compare(name, _jets(density), residual, terms)
