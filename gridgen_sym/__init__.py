@@ -25,6 +25,7 @@ from .certificates import Certificate as Certificate
 from .certificates import certificates as certificates
 from .certificates import sliver_certificate as sliver_certificate
 from .errors import GridgenError as GridgenError
+from .errors import MissingExtraError as MissingExtraError
 from .functionals import Functional as Functional
 from .functionals import define as define
 from .functionals import functional as functional
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from .adaptation import AdaptStep as AdaptStep
     from .adaptation import Equidistribution as Equidistribution
     from .adaptation import Monitor as Monitor
+    from .adaptation import Spread as Spread
     from .adaptation import adapt as adapt
     from .adaptation import equidistribution as equidistribution
     from .adaptation import hierarchical_error as hierarchical_error
@@ -47,21 +49,26 @@ if TYPE_CHECKING:
     from .adaptation import recovery_error as recovery_error
     from .adaptation import richardson_error as richardson_error
     from .adaptation import transfer as transfer
+    from .boundary import CornerChoice as CornerChoice
     from .boundary import Outline as Outline
     from .boundary import domain as domain
     from .boundary import domain_names as domain_names
+    from .fields import SampledField as SampledField
     from .fields import Weight as Weight
     from .fields import raster_field as raster_field
     from .fields import scattered_field as scattered_field
     from .grids import Grid as Grid
     from .grids import Quality as Quality
+    from .grids import corner_jacobians as corner_jacobians
     from .grids import quality as quality
     from .grids import transfinite as transfinite
     from .plotting import plot_certificates as plot_certificates
     from .plotting import plot_grid as plot_grid
     from .plotting import plot_grids as plot_grids
     from .solvers import Result as Result
+    from .solvers import Status as Status
     from .solvers import Step as Step
+    from .solvers import StopReason as StopReason
     from .solvers import energy as energy
     from .solvers import gradient as gradient
     from .solvers import hessian as hessian
@@ -72,18 +79,21 @@ if TYPE_CHECKING:
 #: The packages of the public names that are loaded when they are used.
 _PACKAGES = {
     "adaptation": (
-        "AdaptResult AdaptStep Equidistribution Monitor adapt equidistribution hierarchical_error "
+        "AdaptResult AdaptStep Equidistribution Monitor Spread adapt equidistribution hierarchical_error "
         "interpolation_error recover_gradient recover_hessian recovery_error richardson_error transfer"
     ),
-    "boundary": "Outline domain domain_names",
-    "fields": "Weight raster_field scattered_field",
-    "grids": "Grid Quality quality transfinite",
+    "boundary": "CornerChoice Outline domain domain_names",
+    "fields": "SampledField Weight raster_field scattered_field",
+    "grids": "Grid Quality corner_jacobians quality transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",
-    "solvers": "Result Step energy gradient hessian optimize solve_euler_lagrange untangle",
+    "solvers": "Result Status Step StopReason energy gradient hessian optimize solve_euler_lagrange untangle",
 }
 _HOMES = {name: package for package, names in _PACKAGES.items() for name in names.split()}
 
-_LOADED = "Certificate Functional GridgenError certificates define functional functionals read sliver_certificate write"
+_LOADED = (
+    "Certificate Functional GridgenError MissingExtraError certificates define functional functionals read "
+    "sliver_certificate write"
+)
 
 __all__ = ["__version__", *_LOADED.split(), *_HOMES]
 

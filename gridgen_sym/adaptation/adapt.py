@@ -16,7 +16,8 @@ from ..functionals.registry import functional as find_functional
 from ..grids import Grid, quality
 from ..solvers import untangle
 from ..solvers.run.checks import fixed_mask
-from ..solvers.run.deadline import Deadline, Stop, StopRequest
+from ..solvers.run.deadline import Deadline, StopRequest
+from ..solvers.run.status import StopReason
 from .checks import check_arguments
 from .equidistribution import cell_areas, cell_means, equidistribution, variation
 from .error_estimate import hierarchical_error
@@ -116,7 +117,7 @@ class _Run:
     history: list[AdaptStep] = field(default_factory=list)
     carried: SampledField | None = None
 
-    def until_ended(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
+    def until_ended(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, StopReason | None, str]:
         """Adapt; return whether the grid has settled, what ended this early, and why it stopped."""
         last = "this is the last grid whose solution is known."
         try:
@@ -126,14 +127,16 @@ class _Run:
         except KeyboardInterrupt:
             if not self.history:
                 raise
-            return False, "Ctrl-C", f"it was interrupted; {last}"
+            return False, StopReason.USER, f"it was interrupted; {last}"
         except Exception as error:
             if self.history:
-                error.result = self.result(False, f"an error stopped it; {last}", "callback")  # type: ignore[attr-defined]
+                error.result = self.result(False, f"an error stopped it; {last}", StopReason.CALLBACK)  # type: ignore[attr-defined]
                 error.add_note("Its attribute 'result' holds the last adapted grid whose solution is known.")
             raise
 
-    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> tuple[bool, Stop | None, str]:
+    def _until_settled(
+        self, steps: int, moves: int, tolerance: float, live: Live
+    ) -> tuple[bool, StopReason | None, str]:
         """Adapt until nothing moves, for so many steps at most."""
         live.tell(self._take(self.start, 0.0))
         if not steps:
@@ -183,7 +186,7 @@ class _Run:
         self.history.append(step)
         return step
 
-    def result(self, converged: bool, message: str, stopped_by: Stop | None) -> AdaptResult:
+    def result(self, converged: bool, message: str, stopped_by: StopReason | None) -> AdaptResult:
         """Return what was found."""
         if self.monitor.measure != "values":  # There the density was given, and no solution.
             first, last = self.history[0].error, self.history[-1].error
@@ -210,7 +213,7 @@ def _valid_start(
     if quality(grid).valid:
         return grid, ""
     mended = untangle(grid, fixed=fixed, time_limit=time_limit, backend=backend)
-    if mended.stopped_by == "Ctrl-C":
+    if mended.stopped_by is StopReason.USER:
         raise KeyboardInterrupt
     if not mended.converged:
         raise GridgenError(f"adaptation needs a valid start, and this one is folded: {mended.message}")

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ..solvers.run.deadline import StopRequest
 from ..solvers.run.live import LiveLine
+from ..solvers.run.status import StopReason
 from .result import AdaptStep
 
 Callback = Callable[[AdaptStep], None]
@@ -29,7 +30,7 @@ class Live(LiveLine):
             try:
                 self._callback(step)
             except StopIteration:
-                raise StopRequest("callback", "the callback stopped it") from None
+                raise StopRequest(StopReason.CALLBACK, "the callback stopped it") from None
         self.display(
             f"step {step.step}, movement {step.movement:.1e}, estimated error {step.error:.2e}, "
             f"spread {step.spread:.2f}, smallest J {step.min_jacobian:.1e}"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ..arrays import Array
 from ..grids import Grid, Quality, quality
-from ..solvers.run.deadline import Stop
+from ..solvers.run.status import StopReason
 from .equidistribution import Equidistribution
 
 
@@ -45,7 +45,7 @@ class AdaptResult:
         history: one entry per step, the start first.
         before: spread of s·J and sqrt(s)·J over the cells of the start, s being the last density.
         after: the same over the cells of `grid`.
-        stopped_by: what ended it early: `Ctrl-C`, `time limit` or `callback`; None if nothing did.
+        stopped_by: what ended it early; None if nothing did.
     """
 
     grid: Grid
@@ -56,7 +56,7 @@ class AdaptResult:
     history: tuple[AdaptStep, ...]
     before: Equidistribution
     after: Equidistribution
-    stopped_by: Stop | None = None
+    stopped_by: StopReason | None = None
 
     @property
     def interrupted(self) -> bool:

@@ -66,6 +66,7 @@ def adapt(
     """
     from ..adaptation import Monitor
     from ..adaptation import adapt as run
+    from ..solvers.run.status import StopReason
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
@@ -85,7 +86,7 @@ def adapt(
         result.grid.write(output)
         say(quiet, f"wrote {output}")
     certify_and_draw(result.grid, plot, f"{Path(input).stem}, adapted", quiet)
-    if result.stopped_by == "Ctrl-C":
+    if result.stopped_by is StopReason.USER:
         raise click.exceptions.Exit(130)
 
 

@@ -60,6 +60,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     has folded cells, and after Ctrl-C, which writes the best grid so far, with 130.
     """
     from ..functionals import functional
+    from ..solvers.run.status import StopReason
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
@@ -75,7 +76,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
         result.grid.write(output)
         say(quiet, f"wrote {output}")
     certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result)
-    if result.stopped_by == "Ctrl-C":
+    if result.stopped_by is StopReason.USER:
         raise click.exceptions.Exit(130)
     if not result.quality.valid:
         raise click.exceptions.Exit(1)

@@ -13,3 +13,5 @@ from .optimize import optimize as optimize
 from .optimize import untangle as untangle
 from .run.result import Result as Result
 from .run.result import Step as Step
+from .run.status import Status as Status
+from .run.status import StopReason as StopReason

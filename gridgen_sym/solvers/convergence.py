@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .folds import mean_jacobian
 from .iterate import Point
+from .run.status import Outcome, Status
 
 #: A factor for the gradient to fall by that no rounding is in the way of.
 _MODEST = 0.1
@@ -54,11 +55,13 @@ class Goal:
         return point.norm <= self.norm
 
 
-def converged_message(what: str, norm: float, first: float, iteration: int) -> str:
-    """Return why a solver stopped that has done what was asked; `what` is `gradient` or `residual`."""
+def converged(what: str, norm: float, first: float, iteration: int, remark: str = "") -> Outcome:
+    """Return how a run ends that meets its convergence test, with a remark; `what` is `gradient` or `residual`."""
     if iteration == 0:
-        return f"the start is a solution already: the {what}'s norm is {norm:.2e}."
-    return f"the {what}'s norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+        message = f"the start is a solution already: the {what}'s norm is {norm:.2e}."
+    else:
+        message = f"the {what}'s norm has fallen to {norm:.2e}, {norm / (first or 1):.1e} of its first value."
+    return Outcome(Status.CONVERGED, message + remark)
 
 
 def _is_steep(point: Point) -> bool:

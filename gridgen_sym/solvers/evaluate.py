@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
+from ..deprecation import renamed_argument
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..grids import Grid
@@ -16,9 +17,10 @@ from .linear.sparse import assemble_hessian
 from .problem import make_problem
 
 
+@renamed_argument("name", "functional")
 def energy(
     grid: Grid,
-    name: str | Functional,
+    functional: str | Functional,
     *,
     weight: Weight | Source | None = None,
     parameters: Mapping[str, float] | None = None,
@@ -27,14 +29,15 @@ def energy(
 ) -> float:
     """Return the discrete energy, summed over all corners of all cells (or those at inner nodes only)."""
     problem = make_problem(
-        grid, name, weight=weight, parameters=parameters, interior_only=interior_only, backend=backend
+        grid, functional, weight=weight, parameters=parameters, interior_only=interior_only, backend=backend
     )
     return problem.energy(grid.planes)[0]
 
 
+@renamed_argument("name", "functional")
 def gradient(
     grid: Grid,
-    name: str | Functional,
+    functional: str | Functional,
     *,
     weight: Weight | Source | None = None,
     fixed: npt.ArrayLike | None = None,
@@ -44,14 +47,21 @@ def gradient(
 ) -> Array:
     """Return the gradient of the discrete energy in the nodes' positions, (ni, nj, 2), zero at fixed nodes."""
     problem = make_problem(
-        grid, name, weight=weight, fixed=fixed, parameters=parameters, interior_only=interior_only, backend=backend
+        grid,
+        functional,
+        weight=weight,
+        fixed=fixed,
+        parameters=parameters,
+        interior_only=interior_only,
+        backend=backend,
     )
     return np.stack(tuple(problem.energy_gradient(grid.planes)[2]), axis=-1)
 
 
+@renamed_argument("name", "functional")
 def hessian(
     grid: Grid,
-    name: str | Functional,
+    functional: str | Functional,
     *,
     weight: Weight | Source | None = None,
     fixed: npt.ArrayLike | None = None,
@@ -66,6 +76,12 @@ def hessian(
     `semidefinite`, the positive semidefinite part that the derivation splits off.
     """
     problem = make_problem(
-        grid, name, weight=weight, fixed=fixed, parameters=parameters, interior_only=interior_only, backend=backend
+        grid,
+        functional,
+        weight=weight,
+        fixed=fixed,
+        parameters=parameters,
+        interior_only=interior_only,
+        backend=backend,
     )
     return assemble_hessian(problem.hessian(grid.planes, semidefinite=semidefinite), problem.fixed)

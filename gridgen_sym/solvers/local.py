@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array, Mask
-from .convergence import Goal, converged_message
+from .convergence import Goal, converged
 from .iterate import Point
 from .problem import Problem
 from .run.progress import Progress
+from .run.status import Outcome, Status
 from .run.step_control import jacobian_floor
 
 COLORS = 4
@@ -53,11 +54,11 @@ def sweep_until_converged(
     tolerance: float,
     max_iterations: int,
     keep_valid: bool,
-) -> tuple[bool, str]:
+) -> Outcome:
     """Sweep until the gradient's norm has fallen by the factor `tolerance`; changes `coordinates` in place.
 
     Returns:
-        Whether it converged, and why it stopped.
+        How it has ended.
     """
     point = Point(problem, coordinates)
     goal = Goal(point, tolerance)
@@ -69,23 +70,25 @@ def sweep_until_converged(
     floor = jacobian_floor(point.smallest) if guard and point.smallest > 0 else -1.0
     for iteration in range(max_iterations + 1):
         if goal.reached(point):
-            return True, converged_message("gradient", point.norm, goal.first, iteration)
+            return converged("gradient", point.norm, goal.first, iteration)
         if iteration == max_iterations:
             break
         step = sweep(problem, coordinates, problem.fixed, floor=floor, reach=reach)
         if step >= reach:
             why = "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid."
-            return False, why
+            return Outcome(Status.DIVERGED, why)
         point.evaluate()
         progress.step(iteration + 1, point.energy, point.norm, point.smallest)
         if step == 0:
-            return False, (
+            return Outcome(
+                Status.STALLED,
                 f"no node can move to a lower local energy{' without folding a cell' if guard else ''}, and the "
-                f"gradient's norm is {point.norm:.2e}, {point.norm / goal.first:.1e} of its first value."
+                f"gradient's norm is {point.norm:.2e}, {point.norm / goal.first:.1e} of its first value.",
             )
     free = keep_valid and not problem.kernels.barrier
-    return False, (
+    return Outcome(
+        Status.ITERATION_LIMIT,
         f"{max_iterations} sweeps have brought the gradient's norm to {point.norm:.2e}, "
         f"{point.norm / goal.first:.1e} of its first value, not to {tolerance:.1e}: allow more with max_iterations, or "
-        f"use method='newton'{'; if cells that would fold hold it back, keep_valid=False lets them' * free}."
+        f"use method='newton'{'; if cells that would fold hold it back, keep_valid=False lets them' * free}.",
     )

@@ -14,9 +14,9 @@ from ..grids import Grid, corner_jacobians, quality
 from ..grids.grid import boundary_indices
 from .multilevel.nested import Nested, worth_nesting
 from .problem import Problem, norm_of
-from .run.deadline import Stop
 from .run.progress import Progress
 from .run.result import Result
+from .run.status import Outcome, Status
 from .untangling.lift import lift
 from .untangling.middles import unfold_from_middles
 from .untangling.untangle import unfold
@@ -139,8 +139,8 @@ class Run:
         ring = boundary_indices(*self.problem.fixed.shape)
         return self.to_untangle and area_sign(self.coordinates[:, ring[:, 0], ring[:, 1]].T) <= 0
 
-    def could_not_unfold(self) -> str:
-        """Return what to tell the user about a grid that stayed folded."""
+    def could_not_unfold(self) -> Outcome:
+        """Return how a run ends whose grid stayed folded."""
         told = "this is the start."
         if not self._encloses_nothing:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
@@ -150,17 +150,20 @@ class Run:
         proofs = _proofs_text(self.proofs)
         if not any(proof.impossible for proof in self.proofs):
             proofs = f"{_NO_PROOF} {proofs}".strip()
-        return f"{told} {quality(Grid.from_planes(*self.coordinates)).describe_folds()}\n{proofs}"
+        folds = quality(Grid.from_planes(*self.coordinates)).describe_folds()
+        return Outcome(Status.FOLDED, f"{told} {folds}\n{proofs}")
 
-    def result(self, converged: bool, message: str, stopped_by: Stop | None) -> Result:
+    def result(self, outcome: Outcome) -> Result:
         """Return what the run has found, with what must be said of folded cells and of the weight."""
         self.problem.refresh(self.coordinates)
         energy, smallest = self.problem.energy(self.coordinates)
         grid = Grid.from_planes(*self.coordinates)
-        message = self.said + message
+        status, message = outcome.status, self.said + outcome.message
         proofs: tuple[Certificate, ...] = ()
         if not smallest > 0:
             proofs = certificates(grid) if self.proofs is None else self.proofs
+            if not status.stop_reason:
+                status = Status.IMPOSSIBLE if any(proof.impossible for proof in proofs) else Status.FOLDED
             if not self.explained:
                 folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
                 message += (
@@ -168,12 +171,12 @@ class Run:
                 )
         return Result(
             grid=grid,
-            converged=converged,
+            converged=outcome.converged,
+            status=status,
             message=(message + self.problem.caution(self.coordinates)).strip(),
             iterations=max(len(self.report.history) - 1, 0),
             energy=energy,
             history=tuple(self.report.history),
-            stopped_by=stopped_by,
             certificates=proofs,
         )
 

@@ -8,10 +8,11 @@ from typing import Literal
 
 import numpy.typing as npt
 
+from ..deprecation import renamed_argument
 from ..errors import GridgenError
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
-from ..functionals.registry import functional
+from ..functionals.registry import functional as find_functional
 from ..grids import Grid
 from .local import sweep_until_converged
 from .minimization import Run
@@ -21,15 +22,17 @@ from .run.checks import check_controls
 from .run.deadline import Deadline
 from .run.progress import Callback, Progress
 from .run.result import Result
+from .run.status import Outcome, Status
 from .run.stopping import run_to_result
 
 #: Newton steps, or sweeps, where the caller does not say.
 _LIMITS = {"newton": 1000, "local": 5000}
 
 
+@renamed_argument("name", "functional")
 def optimize(
     grid: Grid,
-    name: str | Functional,
+    functional: str | Functional,
     method: Literal["newton", "local"] = "newton",
     *,
     weight: Weight | Source | None = None,
@@ -52,7 +55,7 @@ def optimize(
 
     Args:
         grid: the start, for example from `transfinite`.
-        name: the functional.
+        functional: what is minimized: a `Functional`, or its name.
         method: `newton` moves all nodes at once; `local` is the paper's method, one node at a time.
         weight: the paper's adaptive function: formula, function, array or `Weight`. A density that does not name
             the weight is multiplied by it.
@@ -79,7 +82,7 @@ def optimize(
     if method not in ("newton", "local"):
         raise GridgenError(f"unknown method {method!r}: optimize takes 'newton' or 'local'")
     check_controls(tolerance, max_iterations, callback, time_limit)
-    definition = functional(name)
+    definition = find_functional(functional)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
         return make_problem(
@@ -96,13 +99,13 @@ def optimize(
     with Progress(f"{definition.name}, {method}", callback, progress, Deadline(time_limit)) as report:
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
 
-        def solve() -> tuple[bool, str]:
+        def solve() -> Outcome:
             if (method == "newton" and limit) or run.to_untangle:
                 run.start_from_coarse_grids()
             if not run.make_valid():
-                return False, run.could_not_unfold()
+                return run.could_not_unfold()
             report.begin("minimize", grid.shape)
-            iterate: Callable[..., tuple[bool, str]] = partial(minimize, reference=run.reference)
+            iterate: Callable[..., Outcome] = partial(minimize, reference=run.reference)
             if method == "local":
                 iterate = sweep_until_converged
             return iterate(
@@ -117,9 +120,10 @@ def optimize(
         return run_to_result(solve, run.result, report)
 
 
+@renamed_argument("name", "functional")
 def untangle(
     grid: Grid,
-    name: str | Functional = "winslow",
+    functional: str | Functional = "winslow",
     *,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
@@ -135,7 +139,7 @@ def untangle(
 
     Args:
         grid: the start.
-        name: a functional with a barrier at J = 0; its minimum is what the grid is near to.
+        functional: one with a barrier at J = 0; its minimum is what the grid is near to.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         callback: as in `optimize`.
@@ -149,7 +153,7 @@ def untangle(
     Raises:
         GridgenError: if the functional has no barrier, and for other input that cannot be used.
     """
-    definition = functional(name)
+    definition = find_functional(functional)
     check_controls(0.5, None, callback, time_limit)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
@@ -157,11 +161,13 @@ def untangle(
 
     problem = make(grid, fixed)
     if not problem.kernels.barrier:
-        raise GridgenError(f"untangling needs a functional with a barrier at J = 0, such as winslow; {name!r} has none")
+        raise GridgenError(
+            f"untangling needs a functional with a barrier at J = 0, such as winslow; {definition.name!r} has none"
+        )
     with Progress(f"{definition.name}, untangle", callback, progress, Deadline(time_limit)) as report:
         run = Run(problem, make, definition, parameters, grid.planes.copy(), report)
 
-        def solve() -> tuple[bool, str]:
+        def solve() -> Outcome:
             if run.to_untangle:
                 run.start_from_coarse_grids()
             report.begin("untangle", grid.shape)
@@ -170,6 +176,8 @@ def untangle(
                 energy, smallest, gradient = run.problem.energy_gradient(run.coordinates)
                 report.step(0, energy, norm_of(gradient), smallest)
             run.said = ""
-            return valid, "every corner's Jacobian is positive." if valid else run.could_not_unfold()
+            return (
+                Outcome(Status.CONVERGED, "every corner's Jacobian is positive.") if valid else run.could_not_unfold()
+            )
 
         return run_to_result(solve, run.result, report)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ..arrays import Array, Mask
 from ..fields.weight import Source, Weight, as_weight
 from ..functionals.definition import Functional
-from ..functionals.registry import functional
+from ..functionals.registry import functional as find_functional
 from ..grids import Grid
 from ..grids.grid import check_grid
 from ..runtime import KernelSet, kernels
@@ -168,7 +168,7 @@ def norm_of(field: Array) -> float:
 
 def make_problem(
     grid: Grid,
-    name: str | Functional,
+    functional: str | Functional,
     *,
     weight: Weight | Source | None = None,
     fixed: npt.ArrayLike | None = None,
@@ -184,7 +184,7 @@ def make_problem(
     check_grid(grid)
     check_size(grid)
     chosen = as_weight(weight)
-    kernel_set = kernels(functional(name), chosen.mode if chosen else "plain", parameters, backend)
+    kernel_set = kernels(find_functional(functional), chosen.mode if chosen else "plain", parameters, backend)
     problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, bool(interior_only))
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem

@@ -80,6 +80,7 @@ def test_a_weight_that_never_lets_the_grid_settle_is_named():
     assert not result.converged
     assert result.quality.valid
     assert "does not settle" in result.message
+    assert result.status is gg.Status.UNSETTLED
     assert 50 <= result.iterations < 1000
 
 

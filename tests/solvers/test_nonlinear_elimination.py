@@ -10,8 +10,8 @@ import gridgen_sym as gg
 from gridgen_sym.solvers.iterate import Point
 from gridgen_sym.solvers.newton import minimize as newton
 from gridgen_sym.solvers.newton.minimize import minimize
-from gridgen_sym.solvers.newton.nonlinear_elimination import eliminate, sweep_standing_out
-from gridgen_sym.solvers.problem import Problem, make_problem
+from gridgen_sym.solvers.newton.nonlinear_elimination import sweep_standing_out
+from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import Deadline
 from gridgen_sym.solvers.run.progress import Progress
 
@@ -31,12 +31,17 @@ def squeezed(name, *, folded=False):
     return place
 
 
-def window_solver(seen):
-    def solve(part: Problem, place, deadline):
-        seen.append(place.shape[1:])
-        minimize(part, place, Progress("window", show=False), tolerance=0.1, max_iterations=40, keep_valid=True)
+@pytest.fixture
+def seen(monkeypatch):
+    """The shapes of the subdomains that are minimized over by themselves."""
+    shapes = []
 
-    return solve
+    def recorded(problem, coordinates, *arguments, **options):
+        shapes.append(coordinates.shape[1:])
+        return minimize(problem, coordinates, *arguments, **options)
+
+    monkeypatch.setattr(newton, "minimize", recorded)
+    return shapes
 
 
 def point_of(place, name="winslow", **options):
@@ -45,10 +50,10 @@ def point_of(place, name="winslow", **options):
 
 @each_barrier
 def test_elimination_calms_a_bad_place_and_leaves_most_of_the_grid_alone(name):
-    place, seen = squeezed(name), []
+    place = squeezed(name)
     point, before = point_of(place.copy(), name), squeezed(name)
     norm, smallest, energy = point.norm, point.smallest, point.energy
-    eliminate(point, window_solver(seen), Deadline())
+    newton._eliminate(point, Deadline())
     assert point.norm < 1e-3 * norm
     assert point.smallest > 10 * smallest
     assert point.energy < energy
@@ -65,7 +70,7 @@ def test_fixed_nodes_stay():
     fixed = np.zeros((SIZE, SIZE), dtype=bool)
     fixed[1, 29] = fixed[2, 31] = True
     point = point_of(place.copy(), fixed=fixed)
-    eliminate(point, window_solver([]), Deadline())
+    newton._eliminate(point, Deadline())
     assert np.array_equal(point.coordinates[:, fixed], place[:, fixed])
     assert not np.array_equal(point.coordinates[:, 1, 30], place[:, 1, 30])
 
@@ -77,22 +82,20 @@ def stretched():
     return place
 
 
-def test_windows_are_small_and_cut_out_where_sweeps_are_not_enough():
-    seen = []
+def test_windows_are_small_and_cut_out_where_sweeps_are_not_enough(seen):
     point = point_of(stretched())
     assert point.smallest > 0
-    eliminate(point, window_solver(seen), Deadline())
+    newton._eliminate(point, Deadline())
     assert seen
     assert all(ni * nj <= SIZE**2 / 4 for ni, nj in seen)
 
 
 @pytest.mark.parametrize("options", [{"weight": "1 + x**2"}, {"interior_only": True}])
-def test_no_window_is_cut_out_of_what_hangs_together(options):
+def test_no_window_is_cut_out_of_what_hangs_together(options, seen):
     """A weight, and which corners count, depend on the whole grid: sweeps know them, windows do not."""
-    seen = []
     point = point_of(stretched(), **options)
     norm = point.norm
-    eliminate(point, window_solver(seen), Deadline())
+    newton._eliminate(point, Deadline())
     assert not seen
     assert point.norm < norm
 
@@ -111,14 +114,14 @@ def test_newton_takes_fewer_steps_with_it(name, monkeypatch):
         place = squeezed(name)
         problem = make_problem(gg.Grid.from_planes(*place), name)
         with Progress("minimize", show=False) as report:
-            converged, _ = minimize(
+            outcome = minimize(
                 problem, place, report, tolerance=1e-8, max_iterations=100, keep_valid=True, reference=1.0
             )
-        assert converged
+        assert outcome.converged
         return len(report.history), place
 
     few, place = steps()
-    monkeypatch.setattr(newton, "eliminate", lambda point, minimize, deadline: None)
+    monkeypatch.setattr(newton, "_eliminate", lambda point, deadline: None)
     many, same = steps()
     assert few < 0.6 * many
     np.testing.assert_allclose(place, same, atol=1e-6)
@@ -126,7 +129,7 @@ def test_newton_takes_fewer_steps_with_it(name, monkeypatch):
 
 def test_it_comes_before_the_first_step(monkeypatch):
     start, called = gg.Grid.from_planes(*squeezed("winslow")), []
-    monkeypatch.setattr(newton, "eliminate", lambda point, minimize, deadline: called.append(point.norm))
+    monkeypatch.setattr(newton, "_eliminate", lambda point, deadline: called.append(point.norm))
     result = gg.optimize(start, "winslow", max_iterations=1)
     assert called == [result.history[0].gradient_norm]
 
@@ -139,7 +142,7 @@ def test_an_almost_folded_start_does_not_pass_for_a_measure(name, eliminates, mo
     least = make_problem(gg.Grid.from_planes(*place), name).energy(place)[0]
     place[:, 1, 30] += (1 - 1e-10) * (place[:, 2, 30] - place[:, 1, 30])
     if not eliminates:
-        monkeypatch.setattr(newton, "eliminate", lambda point, minimize, deadline: None)
+        monkeypatch.setattr(newton, "_eliminate", lambda point, deadline: None)
     result = gg.optimize(gg.Grid.from_planes(*place), name)
     assert result.converged
     assert result.energy == pytest.approx(least, rel=1e-9)

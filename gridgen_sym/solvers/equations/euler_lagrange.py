@@ -13,18 +13,20 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from ...deprecation import renamed_argument
 from ...errors import GridgenError
 from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
-from ...functionals.registry import functional
+from ...functionals.registry import functional as find_functional
 from ...grids import Grid, corner_jacobians
 from ..minimization import Run
 from ..newton.minimize import minimize
 from ..problem import Problem, make_problem
 from ..run.checks import check_controls
-from ..run.deadline import Deadline, Stop
+from ..run.deadline import Deadline
 from ..run.progress import Callback, Progress
 from ..run.result import Result
+from ..run.status import Outcome, Status
 from ..run.stopping import run_to_result
 from .newton import solve_by_newton
 from .relaxation import solve_by_relaxation
@@ -37,9 +39,10 @@ _FOLDED = "The grid was folded at the start; it was untangled and brought near t
 _LIMITS = {"newton": 200, "relaxation": 100_000}
 
 
+@renamed_argument("name", "functional")
 def solve_euler_lagrange(
     grid: Grid,
-    name: str | Functional,
+    functional: str | Functional,
     method: Literal["newton", "relaxation"] = "newton",
     *,
     weight: Weight | Source | None = None,
@@ -59,7 +62,7 @@ def solve_euler_lagrange(
 
     Args:
         grid: the start. Newton's method untangles a folded start of a barrier functional first.
-        name: the functional.
+        functional: a `Functional`, or its name.
         method: `newton`, or `relaxation` with frozen coefficients, node by node. For a barrier functional
             Newton's method starts near the minimum of the discrete energy, which it finds first: on coarse grids, or
             after untangling. These steps are not counted as iterations. Relaxation starts from `grid` as it is.
@@ -88,7 +91,7 @@ def solve_euler_lagrange(
         raise GridgenError(f"unknown method {method!r}: solve_euler_lagrange takes 'newton' or 'relaxation'")
     check_controls(tolerance, max_iterations, callback, time_limit)
     _check_numbers(spacing, relaxation)
-    definition = functional(name)
+    definition = find_functional(functional)
 
     def make(on: Grid, inside: npt.ArrayLike | None = None) -> Problem:
         return make_problem(on, definition, weight=weight, fixed=inside, parameters=parameters, backend=backend)
@@ -99,17 +102,16 @@ def solve_euler_lagrange(
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
         equations = Equations(run.problem, spacing)
 
-        def solve() -> tuple[bool, str]:
+        def solve() -> Outcome:
             if method == "newton" and run.problem.kernels.barrier and limit and not _bring_near(run):
-                return False, run.could_not_unfold()
+                return run.could_not_unfold()
             report.begin("solve", grid.shape)
             if method == "relaxation":
                 return solve_by_relaxation(equations, run.coordinates, report, tolerance, limit, relaxation)
             return solve_by_newton(equations, run.coordinates, report, tolerance, limit, keep_valid)
 
-        def result(converged: bool, message: str, stopped_by: Stop | None) -> Result:
-            converged, message = _choose(run, equations, converged, message, keep_valid)
-            return run.result(converged, message, stopped_by)
+        def result(outcome: Outcome) -> Result:
+            return run.result(_choose(run, equations, outcome, keep_valid))
 
         return run_to_result(solve, result, report)
 
@@ -150,19 +152,20 @@ def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> No
         raise GridgenError(f"expected a relaxation between 0 and 2; came {relaxation!r}")
 
 
-def _choose(run: Run, equations: Equations, converged: bool, message: str, keep_valid: bool) -> tuple[bool, str]:
+def _choose(run: Run, equations: Equations, outcome: Outcome, keep_valid: bool) -> Outcome:
     """Choose the grid to return, and say what the type of the equations means for it."""
+    status, message = outcome
     folded = not float(corner_jacobians(*run.coordinates).min()) > 0
-    if converged and folded and keep_valid and True in equations.best:
-        run.coordinates, converged = equations.best[True][1], False
+    if outcome.converged and folded and keep_valid and True in equations.best:
+        run.coordinates, status = equations.best[True][1], Status.HELD_BACK
         message += (
             " That solution is folded; this is the best valid grid on the way (keep_valid=False returns the solution)."
         )
-    elif not converged and equations.best:
+    elif not outcome.converged and equations.best:
         run.coordinates = equations.best[True in equations.best][1]
         message += " This is the best valid grid on the way." if folded and True in equations.best else ""
     kind = equations.problem.kernels.equation_type
     if kind != "elliptic":
         message += f" The equations are not elliptic ({kind}), so a solution need not exist or be unique."
     equations.problem.refresh(run.coordinates)
-    return converged, message
+    return Outcome(status, message)

@@ -12,13 +12,14 @@ import numpy as np
 
 from ...arrays import Array
 from ...grids import corner_jacobians
-from ..convergence import converged_message
+from ..convergence import converged
 from ..linear.solution import LinearSolver
 from ..linear.sparse import assemble_jacobian, to_field, to_vector
 from ..linear.systems import jacobian_solver
 from ..problem import norm_of
 from ..run.deadline import Deadline
 from ..run.progress import Progress
+from ..run.status import Outcome, Status
 from ..run.step_control import StepControl, jacobian_floor
 from .residual import Equations
 
@@ -33,7 +34,7 @@ _FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
 
 def solve_by_newton(
     equations: Equations, coordinates: Array, report: Progress, tolerance: float, limit: int, keep_valid: bool
-) -> tuple[bool, str]:
+) -> Outcome:
     """Newton's method with a line search on the residual's norm, or Levenberg's damping where not elliptic.
 
     With `keep_valid`, and for barrier functionals, no step folds a cell of a valid grid.
@@ -51,14 +52,14 @@ def solve_by_newton(
         smallest = equations.remember(coordinates, norm)
         report.step(iteration, float("nan"), norm, smallest)
         if norm <= max(tolerance * first, floor):
-            return True, converged_message("residual", norm, first, iteration) + str(control)
+            return converged("residual", norm, first, iteration, str(control))
         if iteration == limit or control.holds_back:
             break
         guard = control.lowest(smallest)
         step, damping, folds = _reduce(equations, solver, coordinates, residual, damping, guard, report.deadline)
         if step is None:
             why = f"no step lowers the residual's norm further; it is {norm:.2e}, {norm / first:.1e} of its first."
-            return False, why
+            return Outcome(Status.STALLED, why)
         coordinates += step
         before = norm
         problem.refresh(coordinates)
@@ -66,13 +67,14 @@ def solve_by_newton(
         norm = norm_of(residual)
         control.count(folds, norm <= _LITTLE * before)
     if control.holds_back:
-        return False, (
+        return Outcome(
+            Status.HELD_BACK,
             f"the solution lies beyond the valid grids: every step towards it would fold a cell. The residual's "
             f"norm is {norm:.2e}, {norm / first:.1e} of its first value. This is the best valid grid; "
-            "keep_valid=False lets cells fold."
+            "keep_valid=False lets cells fold.",
         )
     why = f"{limit} steps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value."
-    return False, why + str(control)
+    return Outcome(Status.ITERATION_LIMIT, why + str(control))
 
 
 def _reduce(

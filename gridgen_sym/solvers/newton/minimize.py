@@ -5,16 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Array
-from ..convergence import Goal, converged_message
+from ..convergence import Goal, converged
 from ..iterate import Point
 from ..linear.solution import LinearSolver
 from ..linear.systems import hessian_solver
 from ..problem import Problem
 from ..run.deadline import Deadline
 from ..run.progress import Progress
+from ..run.status import Outcome, Status
 from ..run.step_control import StepControl, diverges, jacobian_floor
+from ..subdomains import cut_out
 from .line_search import LineSearch
-from .nonlinear_elimination import eliminate
+from .nonlinear_elimination import steep_subdomains, sweep_standing_out
 from .steps import NewtonSteps
 
 #: A step that lowers the energy by less than this part of it leads nowhere.
@@ -27,13 +29,17 @@ _WINDOW, _WINDOW_STEPS = 3e-1, 40
 #: A weight that is evaluated anew after every step may never let the grid settle: steps without a smaller gradient.
 _UNSETTLED = 50
 
-_NO_STEP = "no step downhill was found"
-_DIVERGES = "the steps diverge, which happens where the energy has no lower bound"
-_HELD_BACK = "the minimum lies beyond the valid grids: every step downhill would fold a cell"
-_LAGS = (
-    "the grid does not settle: wherever a step that sees a frozen weight moves the nodes, the weight is another. A "
-    "weight in the mode 'differentiated' belongs to the energy, and a smaller or smoother one changes less"
-)
+#: Why Newton's method ends without converging.
+_WHY = {
+    Status.ITERATION_LIMIT: "{steps} Newton steps were not enough; allow more with max_iterations",
+    Status.STALLED: "no step downhill was found",
+    Status.DIVERGED: "the steps diverge, which happens where the energy has no lower bound",
+    Status.HELD_BACK: "the minimum lies beyond the valid grids: every step downhill would fold a cell",
+    Status.UNSETTLED: (
+        "the grid does not settle: wherever a step that sees a frozen weight moves the nodes, the weight is another. A "
+        "weight in the mode 'differentiated' belongs to the energy, and a smaller or smoother one changes less"
+    ),
+}
 
 
 def minimize(
@@ -48,7 +54,7 @@ def minimize(
     semidefinite: bool = False,
     reference: float | None = None,
     solver: LinearSolver | None = None,
-) -> tuple[bool, str]:
+) -> Outcome:
     """Minimise until the gradient's norm has fallen by the factor `tolerance`; changes `coordinates` in place.
 
     Args:
@@ -65,7 +71,7 @@ def minimize(
         solver: what solves the linear systems; by default the backend's.
 
     Returns:
-        Whether it converged, and why it stopped.
+        How it has ended.
     """
     point, before, barrier = Point(problem, coordinates), 0.0, problem.kernels.barrier
     goal = Goal(point, tolerance, reference)
@@ -76,21 +82,22 @@ def minimize(
     extent, trial, least = float(np.ptp(coordinates)), np.empty_like(coordinates), (point.norm, 0)
     for iteration in range(max_iterations + 1):
         if until_valid and point.smallest > 0:
-            return True, "the grid is valid."
+            return Outcome(Status.CONVERGED, "the grid is valid.")
         if goal.reached(point):
-            # A barrier's own line search is nothing to tell.
-            said = "" if barrier else str(control)
-            return True, converged_message("gradient", point.norm, goal.first, iteration) + said
+            # A barrier's own line search is nothing to report.
+            return converged("gradient", point.norm, goal.first, iteration, "" if barrier else str(control))
         if iteration == max_iterations:
             break
         if barrier and point.norm > max(_STEEP * goal.scale, _POOR * before):
-            eliminate(point, _minimize_window, progress.deadline)
+            _eliminate(point, progress.deadline)
             if goal.reached(point):
-                return True, converged_message("gradient", point.norm, goal.first, iteration + 1)
+                return converged("gradient", point.norm, goal.first, iteration + 1)
         search = LineSearch(point, control.lowest(point.smallest), trial)
         step = steps.downhill(search)
-        if step is None or diverges(step, extent):
-            return False, _stuck(_NO_STEP if step is None else _DIVERGES, point, goal)
+        if step is None:
+            return _stuck(Status.STALLED, point, goal)
+        if diverges(step, extent):
+            return _stuck(Status.DIVERGED, point, goal)
         coordinates += step
         # The weight may be another now: progress is what the step has made of the energy with that which it has seen.
         control.count(search.folds, point.energy - search.energy >= _LITTLE * abs(point.energy))
@@ -101,19 +108,33 @@ def minimize(
         least = min(least, (point.norm, iteration))
         if control.holds_back:
             more = " This is the best valid grid" + ("." if barrier else "; keep_valid=False lets cells fold.")
-            return False, _stuck(_HELD_BACK, point, goal) + more
+            return _stuck(Status.HELD_BACK, point, goal, more)
         if problem.weight is not None and problem.weight.lags and iteration - least[1] >= _UNSETTLED:
-            return False, _stuck(_LAGS, point, goal)
-    why = f"{max_iterations} Newton steps were not enough; allow more with max_iterations"
-    return False, _stuck(why, point, goal) + ("" if barrier else str(control))
+            return _stuck(Status.UNSETTLED, point, goal)
+    return _stuck(Status.ITERATION_LIMIT, point, goal, "" if barrier else str(control), steps=max_iterations)
 
 
-def _minimize_window(problem: Problem, coordinates: Array, deadline: Deadline) -> None:
-    """Minimise over a part of the grid, well enough for the whole."""
-    unseen = Progress("window", show=False, deadline=deadline)
-    minimize(problem, coordinates, unseen, tolerance=_WINDOW, max_iterations=_WINDOW_STEPS, keep_valid=True)
+def _eliminate(point: Point, deadline: Deadline) -> None:
+    """Lower the energy where the gradient is large: by sweeps, as long as these pay, and in small subdomains.
+
+    Args:
+        point: the grid, changed in place; a valid one stays valid.
+        deadline: of the run.
+    """
+    sweep_standing_out(point, deadline)
+    parts = steep_subdomains(point)
+    for part in parts:
+        inside, place = cut_out(point.problem, point.coordinates, part)
+        unseen = Progress("subdomain", show=False, deadline=deadline)
+        try:
+            minimize(inside, place, unseen, tolerance=_WINDOW, max_iterations=_WINDOW_STEPS, keep_valid=True)
+        finally:
+            point.coordinates[:, *part] = place
+    if parts:
+        point.evaluate()
 
 
-def _stuck(why: str, point: Point, goal: Goal) -> str:
-    """Return why it stopped, and how small the gradient is."""
-    return f"{why}. The gradient's norm is {point.norm:.2e}, {point.norm / (goal.first or 1):.1e} of its first value."
+def _stuck(status: Status, point: Point, goal: Goal, more: str = "", steps: int = 0) -> Outcome:
+    """Return how a run ends that has not converged, and how small the gradient is."""
+    small = f"The gradient's norm is {point.norm:.2e}, {point.norm / (goal.first or 1):.1e} of its first value."
+    return Outcome(status, f"{_WHY[status].format(steps=steps)}. {small}{more}")

@@ -9,18 +9,15 @@ window, the same steps cost a hundredth of that. (Nonlinear elimination: Lanzkro
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import numpy.typing as npt
 
 from ...arrays import Array
 from ..iterate import Point
 from ..local import sweep
-from ..problem import Problem
 from ..run.deadline import Deadline
 from ..run.step_control import jacobian_floor
-from ..subdomains import cut_out, windows
+from ..subdomains import windows
 
 #: Nodes stand out whose gradient's square is so many times the mean: in the sweeps, and for a window.
 _SWEPT, _CUT_OUT = 1.0, 30.0
@@ -34,31 +31,17 @@ _LAYERS, _HELD = 6, 0.9
 _SMALLEST = 4096
 
 
-def eliminate(point: Point, minimize: Callable[[Problem, Array, Deadline], None], deadline: Deadline) -> None:
-    """Lower the energy where the gradient is large: by sweeps, as long as these pay, and in windows round what remains.
-
-    Args:
-        point: the grid, changed in place; a valid one stays valid.
-        minimize: minimises a problem from given coordinates on, in place, up to a deadline.
-        deadline: of the run.
-    """
-    sweep_standing_out(point, deadline)
+def steep_subdomains(point: Point) -> list[tuple[slice, slice]]:
+    """Return small subdomains, as slices of nodes, that hold nearly all of the gradient; none where there are none."""
     problem, coordinates = point.problem, point.coordinates
     # What a weight, or which corners are counted, depends on the whole grid.
     if problem.weight is not None or problem.interior_only or coordinates[0].size < _SMALLEST:
-        return
+        return []
     squares = _squares(point.gradient)
     standing = _standing_out(squares, _CUT_OUT)
     parts = [] if standing is None else list(windows(standing, _LAYERS))
-    if sum(float(squares[part].sum()) for part in parts) < _HELD * float(squares.sum()):
-        return
-    for part in parts:
-        inside, place = cut_out(problem, coordinates, part)
-        try:
-            minimize(inside, place, deadline)
-        finally:
-            coordinates[:, *part] = place
-    point.evaluate()
+    held = sum(float(squares[part].sum()) for part in parts)
+    return parts if held >= _HELD * float(squares.sum()) else []
 
 
 def sweep_standing_out(point: Point, deadline: Deadline, *, until_valid: bool = False) -> None:

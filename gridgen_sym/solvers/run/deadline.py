@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import time
-from typing import Literal
 
-#: What may end a run early.
-Stop = Literal["Ctrl-C", "time limit", "callback"]
+from .status import StopReason
 
 
 class StopRequest(Exception):  # noqa: N818 - nothing went wrong
@@ -16,7 +14,7 @@ class StopRequest(Exception):  # noqa: N818 - nothing went wrong
         by: which of them.
     """
 
-    def __init__(self, by: Stop, text: str) -> None:
+    def __init__(self, by: StopReason, text: str) -> None:
         """Say which, and why."""
         super().__init__(text)
         self.by = by
@@ -39,5 +37,5 @@ class Deadline:
             return float("inf")
         left = self._begin + self._seconds - time.monotonic()
         if left <= 0:
-            raise StopRequest("time limit", f"the time limit of {self._seconds:g} seconds is over")
+            raise StopRequest(StopReason.TIME_LIMIT, f"the time limit of {self._seconds:g} seconds is over")
         return left

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from .deadline import Deadline, StopRequest
 from .live import LiveLine
 from .result import Step
+from .status import StopReason
 
 Callback = Callable[[Step], None]
 
@@ -69,7 +70,7 @@ class Progress(LiveLine):
         try:
             self._callback(step)
         except StopIteration:
-            raise StopRequest("callback", "the callback stopped it") from None
+            raise StopRequest(StopReason.CALLBACK, "the callback stopped it") from None
         except Exception as error:
             self.callback_error = error
             raise

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ...certificates import Certificate
 from ...grids import Grid, Quality, quality
-from .deadline import Stop
+from .status import Status, StopReason
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +36,13 @@ class Result:
 
     Attributes:
         grid: the last grid; where the solver stopped early, the best valid one that it had.
-        converged: whether the criterion that was asked for is met.
-        message: why it stopped, as a sentence; also what the user must know of the result.
+        converged: whether the convergence test is met.
+        status: how the run has ended. Folded cells count for more than a convergence test that is met, and what stopped
+            the run early for more than these.
+        message: why it ended, as a sentence with its numbers; also what the user must know of the result.
         iterations: sweeps or Newton steps.
         energy: discrete energy of `grid`, over all corners of all cells (or the paper's set, where that was asked for).
         history: one entry per iteration of the last stage.
-        stopped_by: what ended it early: `Ctrl-C`, `time limit` or `callback`; None if nothing did.
         certificates: the proofs that no valid grid has this boundary; none for a valid grid. Where untangling ended
             with folds, these are those of a search, too: `certificates(grid, search=True)`. If there are none of
             these, it may be the one of `sliver_certificate`, that every valid grid has a sliver.
@@ -49,12 +50,17 @@ class Result:
 
     grid: Grid
     converged: bool
+    status: Status
     message: str
     iterations: int
     energy: float
     history: tuple[Step, ...]
-    stopped_by: Stop | None = None
     certificates: tuple[Certificate, ...] = ()
+
+    @property
+    def stopped_by(self) -> StopReason | None:
+        """What ended the run early; None if nothing did."""
+        return self.status.stop_reason
 
     @property
     def interrupted(self) -> bool:
