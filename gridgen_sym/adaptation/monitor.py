@@ -10,14 +10,17 @@ solution is scaled.
 | --- | --- | --- | --- |
 | `gradient` | length of grad u | 1 + alpha m | A. M. Winslow 1981, "Adaptive-mesh zoning by the equipotential method" |
 | `arc_length` | length of grad u | sqrt(1 + alpha m²) | A. B. White 1979, "On selection of equidistributing meshes" |
-| `curvature` | (norm of H)^(2/5) | 1 + alpha m | Huang and Russell 2011: the optimal density for the L2 error |
+| `curvature` | (a max(b, c^(4/5) a^(1/5)))^(1/3) | 1 + alpha m | Huang and Russell 2011: best for the L2 error |
 | `recovery_error` | eta^(2/3)/J | 1 + alpha m | equidistributes Zienkiewicz and Zhu's indicator |
 | `hierarchical_error` | eta^(2/5)/J | 1 + alpha m | equidistributes the hierarchical indicator |
 | `values` | u | u | the density itself, given by the user; no share |
 
-Gradient and Hessian H (Frobenius norm) are recovered from nodal values. The exponents are those right across a front,
-where the cells' width h alone changes: the error of linear interpolation is h² u''/8, that of its gradient h u''/2,
-and eta, a norm over the cell, has another sqrt(h). (Where features are round, 2/3 instead of 2/5.)
+Gradient and Hessian are recovered from nodal values; a >= b are the absolute values of the Hessian's eigenvalues. The
+L2 error of linear interpolation is smallest for the density (a b)^(1/3): a^(2/3) where features are round, such as the
+singularity at a reflex corner. Across a front b is nearly 0, but no cell is longer than the domain: its width alone
+changes, and the best density is a^(2/5). The maximum has both limits; c, the mean of a^(2/5) over the domain to the
+power 5/2, makes it independent of units. The exponents of the indicators eta are those across a front: the error of
+linear interpolation is h² u''/8, that of its gradient h u''/2, and eta, a norm over the cell, has another sqrt(h).
 """
 
 from __future__ import annotations
@@ -42,13 +45,22 @@ Measure = Callable[[Grid, Array], npt.ArrayLike]
 _BISECTIONS = 60
 
 
+def _mean(grid: Grid, values: Array) -> float:
+    """Return the mean of nodal values over the area of a grid."""
+    area = cell_areas(grid)
+    return float((cell_means(values) * area).sum() / area.sum())
+
+
 def _slope(grid: Grid, values: Array) -> Array:
     return np.asarray(np.hypot(*recover_gradient(grid, values)))
 
 
 def _curvature(grid: Grid, values: Array) -> Array:
     u_xx, u_xy, u_yy = recover_hessian(grid, values)
-    return np.asarray((u_xx**2 + 2 * u_xy**2 + u_yy**2) ** 0.2)
+    mean, radius = np.abs(u_xx + u_yy) / 2, np.hypot((u_xx - u_yy) / 2, u_xy)
+    large, small = mean + radius, np.abs(mean - radius)
+    typical = _mean(grid, large**0.4) ** 2.5
+    return np.asarray((large * np.maximum(small, typical**0.8 * large**0.2)) ** (1 / 3))
 
 
 def _recovery_error(grid: Grid, values: Array) -> Array:
@@ -103,6 +115,11 @@ class Monitor:
         if not isinstance(self.smoothing, (int, np.integer)) or self.smoothing < 0:
             raise GridgenError(f"smoothing is a number of passes, not negative; came {self.smoothing!r}")
 
+    @property
+    def name(self) -> str:
+        """The name of the measure; of your own function, its name in Python."""
+        return repr(self.measure) if isinstance(self.measure, str) else getattr(self.measure, "__name__", "of yours")
+
     def density(self, grid: Grid, values: npt.ArrayLike) -> Array:
         """Return the density of nodes (ni, nj), positive, that nodal values (ni, nj) ask for.
 
@@ -121,14 +138,9 @@ class Monitor:
 
     def _intensified(self, grid: Grid, m: Array) -> Array:
         """Return the density whose excess over 1 has the share of the integral that is wanted."""
-        area = cell_areas(grid)
-
-        def mean(density: Array) -> float:
-            return float((cell_means(density) * area).sum() / area.sum())
-
         if not m.any():  # Nothing to adapt to.
             return np.ones_like(m)
-        m = m / mean(m)
+        m = m / _mean(grid, m)
         if self.measure != "arc_length":
             return 1 + self.share / (1 - self.share) * m
         # For alpha -> infinity the mean is that of sqrt(alpha) m; it grows with alpha.
@@ -136,7 +148,7 @@ class Monitor:
         low, high = 0.0, wanted**2
         for _ in range(_BISECTIONS):
             middle = (low + high) / 2
-            low, high = (middle, high) if mean(np.sqrt(1 + middle * m**2)) < wanted else (low, middle)
+            low, high = (middle, high) if _mean(grid, np.sqrt(1 + middle * m**2)) < wanted else (low, middle)
         return np.asarray(np.sqrt(1 + high * m**2))
 
 

@@ -1,4 +1,4 @@
-"""Tell of the steps of an adaptation: the user's callback, and a line on the terminal when it takes long."""
+"""Report the steps of an adaptation: the user's callback, and a line on the terminal when it takes long."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Live(LiveLine):
         super().__init__(title, show)
         self._callback = callback
 
-    def tell(self, step: AdaptStep) -> None:
-        """Tell whoever wants to know of a step.
+    def report(self, step: AdaptStep) -> None:
+        """Report a step to the callback, and show it.
 
         Raises:
             StopRequest: if the callback asks for it.

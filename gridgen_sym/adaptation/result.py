@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..arrays import Array
+from ..fields.sampled import grid_field
 from ..grids import Grid, Quality, quality
-from ..solvers.run.status import StopReason
-from .equidistribution import Equidistribution
+from ..solvers.run.status import Status, StopReason
+from .equidistribution import Equidistribution, equidistribution
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,23 +41,39 @@ class AdaptResult:
         grid: the last grid; always valid if the start was, or could be untangled.
         values: (ni, nj), the solution on `grid`.
         density: (ni, nj), the density of nodes that was asked for, at the nodes of `grid`.
-        converged: whether the grid has settled.
+        status: how it ended.
         message: why it stopped, as a sentence; also what the user must know of the result.
         history: one entry per step, the start first.
-        before: spread of s·J and sqrt(s)·J over the cells of the start, s being the last density.
-        after: the same over the cells of `grid`.
-        stopped_by: what ended it early; None if nothing did.
+        start: the grid of step 0: the one that was given, or the untangled one.
     """
 
     grid: Grid
     values: Array
     density: Array
-    converged: bool
+    status: Status
     message: str
     history: tuple[AdaptStep, ...]
-    before: Equidistribution
-    after: Equidistribution
-    stopped_by: StopReason | None = None
+    start: Grid
+
+    @property
+    def converged(self) -> bool:
+        """Whether the grid has settled, and is no worse than the start by its own estimate."""
+        return self.status is Status.CONVERGED
+
+    @property
+    def before(self) -> Equidistribution:
+        """The spread of s·J and sqrt(s)·J over the cells of the start; s is the last density, interpolated."""
+        return equidistribution(self.start, grid_field(self.grid, self.density)(self.start.x, self.start.y))
+
+    @property
+    def after(self) -> Equidistribution:
+        """The spread of s·J and sqrt(s)·J over the cells of `grid`; s is the last density."""
+        return equidistribution(self.grid, self.density)
+
+    @property
+    def stopped_by(self) -> StopReason | None:
+        """What ended it early; None if nothing did."""
+        return self.status.stop_reason
 
     @property
     def interrupted(self) -> bool:

@@ -1,12 +1,14 @@
-"""The boundary in adaptation: nodes slide along the sides of the start, so that the density rules there too.
+"""The boundary in adaptation: nodes slide along straight stretches of the sides, and equidistribute the density there.
 
-A front that meets the boundary needs nodes where it does. On a side, de Boor's equidistribution is exact: with the
-integral of the density along the side as the new coordinate, the nodes are evenly spaced (C. de Boor, "Good
-approximation by splines with variable knots", 1973).
+A front that meets the boundary needs nodes where it does. On a curve, de Boor's equidistribution is exact: with the
+integral of the density along the curve as the new coordinate, the nodes are evenly spaced (C. de Boor, "Good
+approximation by splines with variable knots", 1973). Nodes at the turns of a side stay, so that the domain keeps its
+shape.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -21,13 +23,15 @@ Boundary = Literal["fixed", "straight", "all"]
 
 #: Where the nodes of the four sides stand in an array (ni, nj).
 _PLACES: tuple[Any, ...] = (np.s_[:, 0], np.s_[:, -1], np.s_[0, :], np.s_[-1, :])
-#: How far from the line between its ends a straight side may be, over its length; how often a step is halved.
-_STRAIGHT, _HALVINGS = 1e-9, 8
+#: How far from the line between its ends a straight stretch may be, over its length: round-off of its coordinates.
+_STRAIGHT = 1e-9
+#: How often a step that would fold a cell is halved.
+_HALVINGS = 8
 
 
 @dataclass(slots=True)
 class Side:
-    """One side: the polygon of the start, and where the nodes now are on it.
+    """A side or a stretch of one: the polygon of the start, and where the nodes now are on it; both ends stay.
 
     Attributes:
         place: indices of its nodes.
@@ -52,14 +56,20 @@ class Side:
 
 
 def sliding_sides(grid: Grid, boundary: Boundary, fixed: npt.ArrayLike | None) -> list[Side]:
-    """Return the sides on which nodes may slide: none, the straight ones, or all without nodes that are fixed."""
+    """Return the stretches of the boundary along which nodes may slide.
+
+    They are none, the straight ones of every side, or all four sides; without those that have a fixed node inside.
+    """
     sides = []
-    for place in _PLACES:
-        polygon = grid.planes[(slice(None), *place)].copy()
-        length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(polygon, axis=1)))))
-        held = fixed is not None and bool(np.asarray(fixed)[place][1:-1].any())
-        if boundary != "fixed" and not held and (boundary == "all" or _straight(polygon)):
-            sides.append(Side(place, polygon, length, length.copy()))
+    for place in _PLACES if boundary != "fixed" else ():
+        points = grid.planes[(slice(None), *place)]
+        stretches = [(0, points.shape[1] - 1)] if boundary == "all" else straight_stretches(points)
+        for first, last in stretches:
+            part = tuple(slice(first, last + 1) if isinstance(index, slice) else index for index in place)
+            if fixed is None or not np.asarray(fixed)[part][1:-1].any():
+                polygon = points[:, first : last + 1].copy()
+                length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(polygon, axis=1)))))
+                sides.append(Side(part, polygon, length, length.copy()))
     return sides
 
 
@@ -86,12 +96,38 @@ def slide(sides: list[Side], grid: Grid, density: Array, fixed: Mask, damping: f
     return grid
 
 
+def straight_stretches(points: Array) -> Iterator[tuple[int, int]]:
+    """Yield the first and the last index of every longest straight stretch of a polygon (2, n) with a node inside."""
+    first, end = 0, points.shape[1] - 1
+    while first < end:
+        last = _end_of_stretch(points, first)
+        if last > first + 1:
+            yield first, last
+        first = last
+
+
+def _end_of_stretch(points: Array, first: int) -> int:
+    """Return the index of the last point that is reached straight from point `first`.
+
+    By doubling, then by bisection: a turn in a part of a stretch would show in the whole.
+    """
+    end, straight, step = points.shape[1] - 1, first + 1, 2
+    while straight < end and _straight(points[:, first : first + step + 1]):
+        straight, step = min(first + step, end), 2 * step
+    bent = min(first + step, end + 1)
+    while bent - straight > 1:
+        middle = (straight + bent) // 2
+        straight, bent = (middle, bent) if _straight(points[:, first : middle + 1]) else (straight, middle)
+    return straight
+
+
 def _straight(polygon: Array) -> bool:
-    """Return whether a side runs straight; that of a valid grid then runs forwards only."""
+    """Return whether a polygon (2, n) runs straight and only forwards."""
     along = polygon[:, -1] - polygon[:, 0]
     reach = float(np.hypot(*along))
     if reach == 0:
         return False
     steps = polygon - polygon[:, :1]
     off = np.abs(along[0] * steps[1] - along[1] * steps[0]).max() / reach
-    return bool(off <= _STRAIGHT * reach)
+    forwards = bool((np.diff(along[0] * steps[0] + along[1] * steps[1]) > 0).all())
+    return forwards and bool(off <= _STRAIGHT * reach)

@@ -42,4 +42,22 @@ def two_scales(x, y):
     return np.sin(np.pi * x) * np.sin(np.pi * y) + 0.5 * np.tanh(60 * (y - 0.5 - 0.2 * np.sin(2 * np.pi * x)))
 
 
+#: An L: the square of side 2 without its lower right quarter; the reflex corner is the origin.
+L_SHAPE = np.array([(0, 0), (1, 0), (1, 1), (-1, 1), (-1, -1), (0, -1)], dtype=float)
+#: Which four of its points are the corners of the grid. Two, one and no turn of the L stand on the side of the origin.
+L_CORNERS = {"on a long side": (2, 3, 4, 5), "on a side with a turn": (3, 4, 5, 1), "between two": (4, 5, 1, 2)}
+
+
+def l_shape(nodes=33, corners=(2, 3, 4, 5)):
+    """Return the smooth grid of the L."""
+    start = gg.Outline(L_SHAPE, corners).grid(nodes, nodes)
+    return gg.optimize(start, "winslow").grid
+
+
+def corner_singularity(x, y):
+    """Return r^(2/3) sin(2 theta/3), harmonic in the L and zero at both sides of its reflex corner."""
+    angle = np.arctan2(y, x) % (2 * np.pi)
+    return np.hypot(x, y) ** (2 / 3) * np.sin(2 * angle / 3)
+
+
 SHARP = {"front": front, "shock": shock, "ring": ring, "two scales": two_scales}

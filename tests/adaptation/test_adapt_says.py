@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solvers.conftest import farthest
+from support_solvers import farthest
 
 import gridgen_sym as gg
 
@@ -32,7 +32,7 @@ def test_the_history_tells_of_every_step():
 def test_progress_is_shown_where_it_takes_long(monkeypatch, live_line):
     gg.adapt(square(9), ring, steps=1, progress=True)
     assert not live_line, "it did not take long"
-    monkeypatch.setattr("gridgen_sym.solvers.minimization.live.PATIENCE", -1.0)
+    monkeypatch.setattr("gridgen_sym.solvers.run.live.PATIENCE", -1.0)
     gg.adapt(square(9), ring, steps=1, progress=False)
     assert not live_line
     gg.adapt(square(9), ring, steps=1, progress=True)
@@ -40,8 +40,9 @@ def test_progress_is_shown_where_it_takes_long(monkeypatch, live_line):
     assert live_line[2].startswith("adapt, area_winslow: step 1, movement")
 
 
-def test_too_few_steps_are_told():
+def test_too_few_steps_are_reported():
     result = gg.adapt(square(17), ring, steps=2)
+    assert result.status is gg.Status.ITERATION_LIMIT
     assert not result.converged
     assert "not settled in 2 steps" in result.message
     assert f"moved a node by {result.history[-1].movement:.1e}, more than 1.0e-03" in result.message
@@ -67,3 +68,26 @@ def test_nothing_to_adapt_to_leaves_a_uniform_grid():
     assert farthest(result.grid, square(17)) < 1e-8
     assert "The solution is 3 at every node: there is nothing to adapt to." in result.message
     assert "nothing to adapt" not in gg.adapt(square(17), "1e-6*x", steps=1).message
+
+
+def test_a_settled_grid_that_is_worse_by_its_own_estimate_is_reported():
+    """A density that draws the nodes away from the front: the grid settles, and is no success."""
+
+    def away(grid, values):
+        return np.exp(-20 * (grid.x + grid.y))
+
+    result = gg.adapt(square(17), "tanh(20*(x + y - 1.8))", monitor=away)
+    assert result.status is gg.Status.WORSE
+    assert result.history[-1].movement <= 1e-3
+    assert result.history[-1].error > result.history[0].error
+    assert not result.converged
+    assert str(result).startswith("NOT converged")
+    assert "worse than the start by its own estimate: the monitor away does not suit" in result.message
+    assert "Take monitor='curvature' or 'recovery_error', or more nodes." in result.message
+
+
+def test_a_density_that_is_given_has_no_estimate_to_be_worse_by():
+    result = gg.adapt(square(17), "11 - 10*exp(-20*(x + y))", monitor="values")
+    assert result.status is gg.Status.CONVERGED
+    assert result.history[-1].error > result.history[0].error
+    assert "its own estimate" not in result.message

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solvers.conftest import farthest
+from support_solvers import farthest
 
 import gridgen_sym as gg
 from gridgen_sym.adaptation.law import law_of, weight_values

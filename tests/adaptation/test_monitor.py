@@ -68,11 +68,26 @@ def test_slopes_have_two_components(measure, power):
     same_but_for_intensity(density**power, np.hypot(inside[0], 2 * inside[1]) ** power)
 
 
-def test_the_mixed_derivative_counts_twice():
-    inside = SQUARE.planes[:, 4:-4, 4:-4]
+def test_curvature_is_that_of_both_principal_directions():
+    """u = x³/6 + x y² has the Hessian ((x, 2y), (2y, 2x)); c is set by the mean over the domain."""
     u = SQUARE.x**3 / 6 + SQUARE.x * SQUARE.y**2
     density = gg.Monitor("curvature", share=0.5, smoothing=0).density(SQUARE, u)[4:-4, 4:-4]
-    same_but_for_intensity(density, (5 * inside[0] ** 2 + 8 * inside[1] ** 2) ** 0.2)
+    x, y = SQUARE.planes
+    hessian = np.stack((np.stack((x, 2 * y), axis=-1), np.stack((2 * y, 2 * x), axis=-1)), axis=-2)
+    small, large = np.sort(np.abs(np.linalg.eigvalsh(hessian)), axis=-1).transpose(2, 0, 1)
+    typical = integral(SQUARE, large**0.4) ** 2.5
+    expected = (large * np.maximum(small, typical**0.8 * large**0.2)) ** (1 / 3)
+    assert (small > typical**0.8 * large**0.2).any(), "both branches are met"
+    assert (small < typical**0.8 * large**0.2).any()
+    same_but_for_intensity(density, expected[4:-4, 4:-4])
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e5])
+def test_the_unit_of_length_has_no_part_in_curvature(scale):
+    plain, scaled = (
+        gg.Monitor("curvature").density(gg.Grid(unit * SQUARE.xy), two_scales(*SQUARE.planes)) for unit in (1.0, scale)
+    )
+    np.testing.assert_allclose(scaled, plain, rtol=1e-9)
 
 
 def test_values_are_the_density_itself():

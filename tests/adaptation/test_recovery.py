@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solvers.conftest import disordered
+from support_solvers import disordered
 
 import gridgen_sym as gg
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import gridgen_sym as gg
-from gridgen_sym.adaptation.sides import _straight, slide, sliding_sides
+from gridgen_sym.adaptation.sides import _straight, slide, sliding_sides, straight_stretches
 
-from .conftest import interpolation_error, shock, square
+from .conftest import L_SHAPE, corner_singularity, interpolation_error, l_shape, shock, square
 
 
 def test_nodes_on_straight_sides_are_equidistributed_too():
@@ -30,6 +31,30 @@ def test_which_sides_are_straight():
     assert not _straight(np.stack((x * (1 - x), x * (1 - x)))), "it ends where it began"
     assert _straight(1e-9 * np.stack((x, 2 * x))), "in any unit"
     assert not _straight(1e-9 * np.stack((x, 2 * x + 1e-6 * (x == 0.5))))
+
+
+def test_a_side_slides_between_its_turns():
+    """Turns, and a node at which the side runs back, end a stretch; one without a node inside cannot slide."""
+    points = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (3, 1), (4, 1), (5, 1), (4.5, 1), (4, 1), (4, 2)]).T
+    assert list(straight_stretches(points)) == [(0, 2), (3, 6), (6, 8)]
+    assert list(straight_stretches(1e-9 * points)) == [(0, 2), (3, 6), (6, 8)]
+    angle = np.linspace(0, 1e-2, 50)
+    assert not list(straight_stretches(np.stack((np.cos(angle), np.sin(angle)))))
+    for count in (3, 4, 5, 17, 100):
+        line = np.stack((np.linspace(0, 3, count), np.linspace(1, 2, count)))
+        assert list(straight_stretches(line)) == [(0, count - 1)]
+        bent = np.concatenate((line, line[:, -1:] + np.array([[0.0, 0.0], [0.1, 0.2]])), axis=1)
+        assert list(straight_stretches(bent)) == [(0, count - 1), (count - 1, count + 1)]
+
+
+def test_turns_of_a_side_stay_and_the_domain_keeps_its_shape():
+    start = l_shape(17)
+    moved = gg.adapt(start, corner_singularity, steps=4).grid
+    for corner in L_SHAPE:
+        assert np.hypot(*(moved.xy - corner).transpose(2, 0, 1)).min() == 0
+    assert not np.array_equal(moved.xy[:, 0], start.xy[:, 0])
+    area = sum(gg.quality(grid).mean_jacobian * 16 * 16 for grid in (start, moved))
+    assert area == pytest.approx(2 * 3.0, rel=1e-12)
 
 
 def test_corners_of_a_mask_hold_no_side():

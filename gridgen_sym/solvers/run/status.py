@@ -23,6 +23,7 @@ class Status(Enum):
     DIVERGED = "The steps diverge."
     HELD_BACK = "Steps that make progress would fold a cell."
     UNSETTLED = "The weight changes as much as the grid does."
+    WORSE = "The grid has settled, but it is worse than the start by its own estimate."
     FOLDED = "Cells are folded, and no proof is known that this cannot be avoided."
     IMPOSSIBLE = "Cells are folded, and no valid grid has these boundary nodes: a certificate proves it."
     STOPPED_BY_USER = "Ctrl-C stopped the run."

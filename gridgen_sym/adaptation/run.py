@@ -1,0 +1,136 @@
+"""The loop of an adaptation: its state, and how it ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..arrays import Array
+from ..fields.sampled import SampledField, grid_field
+from ..grids import Grid, quality
+from ..solvers.run.deadline import StopRequest
+from ..solvers.run.status import Outcome, Status
+from .equidistribution import cell_areas, cell_means, variation
+from .error_estimate import hierarchical_error
+from .monitor import Monitor
+from .mover import Mover, movement
+from .progress import Live
+from .result import AdaptResult, AdaptStep
+from .source import Source
+
+#: Monitors to be tried where another one made the grid worse.
+_ADVISED = ("curvature", "recovery_error")
+
+
+@dataclass(slots=True)
+class Run:
+    """The state of one adaptation: the last grid whose solution is known, that solution and its density."""
+
+    source: Source
+    monitor: Monitor
+    mover: Mover
+    start: Grid
+    grid: Grid = field(init=False)
+    values: Array = field(init=False)
+    density: Array = field(init=False)
+    history: list[AdaptStep] = field(default_factory=list)
+    carried: SampledField | None = None
+
+    def until_ended(self, steps: int, moves: int, tolerance: float, live: Live) -> Outcome:
+        """Adapt; return how and why it ended."""
+        last = "this is the last grid whose solution is known."
+        try:
+            return self._until_settled(steps, moves, tolerance, live)
+        except StopRequest as stop:
+            return Outcome(Status.stopped(stop.by), f"{stop}; {last}")
+        except KeyboardInterrupt:
+            if not self.history:
+                raise
+            return Outcome(Status.STOPPED_BY_USER, f"it was interrupted; {last}")
+        except Exception as error:
+            if self.history:
+                ended = Outcome(Status.STOPPED_BY_CALLBACK, f"an error stopped it; {last}")
+                error.result = self.result(ended)  # type: ignore[attr-defined]
+                error.add_note("Its attribute 'result' holds the last adapted grid whose solution is known.")
+            raise
+
+    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> Outcome:
+        """Adapt until nothing moves, for so many steps at most."""
+        live.report(self._take(self.start, 0.0))
+        if not steps:
+            return Outcome(Status.ITERATION_LIMIT, "no step was allowed: this is the start.")
+        for _ in range(steps):
+            moved = self.mover.towards(self.grid, self.density, moves)
+            distance = movement(self.grid, moved)
+            live.report(self._take(moved, distance))
+            if distance <= tolerance:
+                return self._settled(distance)
+        return Outcome(
+            Status.ITERATION_LIMIT,
+            f"the grid has not settled in {steps} steps: the last one moved a node by "
+            f"{self.history[-1].movement:.1e}, more than {tolerance:.1e} of the domain's size. Allow more steps, a "
+            "smaller share or more smoothing.",
+        )
+
+    def _settled(self, distance: float) -> Outcome:
+        """Return the outcome for a grid whose nodes no longer move: that can mean that they cannot."""
+        if self.mover.trouble:
+            name = self.mover.functional.name
+            why = f"nodes move no farther, but {name} is not minimised: {self.mover.trouble}"
+            return Outcome(Status.STALLED, why)
+        message = f"the grid has settled: its last step moved no node by more than {distance:.1e}."
+        if not self._estimates or self.history[-1].error <= self.history[0].error:
+            return Outcome(Status.CONVERGED, message)
+        others = [repr(name) for name in _ADVISED if name != self.monitor.measure]
+        return Outcome(
+            Status.WORSE,
+            f"{message} But it is worse than the start by its own estimate: the monitor {self.monitor.name} does not "
+            "suit this solution, or the start is too coarse to show it. Take monitor="
+            f"{' or '.join(others)}, or more nodes.",
+        )
+
+    @property
+    def _estimates(self) -> bool:
+        """Whether the history holds estimates of an error: of a density that is given there is none."""
+        return self.monitor.measure != "values"
+
+    def _take(self, grid: Grid, way: float) -> AdaptStep:
+        """Solve on a grid and make it the present one."""
+        values = self.source.on(grid, len(self.history))
+        if self.carried is not None:
+            density = self.carried(grid.x, grid.y)
+        else:
+            density = self.monitor.density(grid, values)
+            if self.source.sampled:
+                # Derivatives of interpolated values would show the interpolation: this density is carried along.
+                self.carried = grid_field(grid, density)
+        self.grid, self.values, self.density = grid, values, density
+        step = AdaptStep(
+            step=len(self.history),
+            movement=way,
+            error=float(np.linalg.norm(hierarchical_error(grid, values))),
+            spread=variation(cell_means(density) * cell_areas(grid)),
+            min_jacobian=quality(grid).min_jacobian,
+            damping=self.mover.damping,
+        )
+        self.history.append(step)
+        return step
+
+    def result(self, outcome: Outcome) -> AdaptResult:
+        """Return what was found."""
+        message = outcome.message
+        if self._estimates:
+            first, last = self.history[0].error, self.history[-1].error
+            message += f" The estimated error of interpolation was {first:.2e}, now it is {last:.2e}."
+        if np.ptp(self.values) == 0:
+            message += f" The solution is {self.values[0, 0]:g} at every node: there is nothing to adapt to."
+        return AdaptResult(
+            grid=self.grid,
+            values=self.values,
+            density=self.density,
+            status=outcome.status,
+            message=message,
+            history=tuple(self.history),
+            start=self.start,
+        )
