@@ -143,6 +143,7 @@ def test_a_clockwise_outline_is_turned_unless_that_is_forbidden(monkeypatch):
     assert gg.read("b.npz").xy[-1, 0].tolist() == [2, 1]  # Numbers of points are those of the file.
 
 
+@pytest.mark.slow
 def test_memory_that_does_not_suffice_is_told():
     assert "not enough memory: take fewer nodes" in run("grid", "swan", "-f", "length", "--size", *2 * [10**7], code=2)
 
@@ -243,6 +244,7 @@ def test_derive_prints_text_and_latex():
     assert "Did you mean 'length'" in run("derive", "lenght", code=2)
 
 
+@pytest.mark.slow
 def test_verify_finds_the_errata_and_no_discovery():
     said = run("verify")
     for erratum in range(1, 10):
@@ -278,6 +280,7 @@ def test_generate_checks_and_writes(monkeypatch):
 # ---- a user's functional ----
 
 
+@pytest.mark.slow
 def test_a_users_functional_of_ten_lines_goes_the_whole_way(mine, monkeypatch):
     assert len(MINE.splitlines()) <= 10
     assert "smooth" in run("derive", "smooth", "--functionals", mine)
@@ -287,6 +290,7 @@ def test_a_users_functional_of_ten_lines_goes_the_whole_way(mine, monkeypatch):
     assert (said.returncode, said.stdout.count("ok  "), said.stdout.count("\n")) == (0, 6, 6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("solver", ["newton", "local", "euler-lagrange"])
 def test_a_users_functional_makes_grids_with_every_solver(mine, solver, backend):
@@ -367,6 +371,7 @@ def test_the_module_runs_as_a_program():
     assert bad.stderr.startswith("Error: cannot read nowhere.vts")
 
 
+@pytest.mark.slow
 def test_a_terminal_without_the_signs_of_mathematics_shows_others():
     told = program("functionals", env={**os.environ, "PYTHONIOENCODING": "ascii"})
     assert told.returncode == 0

@@ -39,6 +39,7 @@ def test_a_table_that_differs_is_noticed():
             assert_alike(wrong, ["a 1.00e-02 8"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_an_example_runs(script, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")

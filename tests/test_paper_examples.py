@@ -46,6 +46,7 @@ def verdict(example: Example, words: str) -> str:
     return found
 
 
+@pytest.mark.slow
 def test_pictures_are_written_and_are_png(examples, folder):
     assert {path.name for path in folder.iterdir()} == PICTURES | {"results.md"}
     for name in PICTURES:
@@ -224,6 +225,7 @@ def test_swept_area_says_that_it_is_not_converged_and_its_limit_is(examples):
         assert any("has not converged for area" in note for note in examples[section].notes)
 
 
+@pytest.mark.slow
 def test_two_runs_write_the_same_table(examples, folder, tmp_path):
     run(tmp_path, lambda _: None)
     assert (tmp_path / "results.md").read_bytes() == (folder / "results.md").read_bytes()

@@ -11,6 +11,7 @@ import gridgen_sym as gg
 from .conftest import L_CORNERS, MEASURES, SHARP, corner_singularity, interpolation_error, l_shape, ring, square
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", MEASURES)
 @pytest.mark.parametrize("name", SHARP)
 def test_error_is_at_most_a_third_of_the_uniform_grids(name, measure):

@@ -110,6 +110,7 @@ def test_no_grid_exceeds_what_is_proved(grid):
     assert not isinstance(contracted_places(grid, work=500, share=smallest * (1 - 1e-9)), Conflict)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(st.integers(0, 10**6), st.floats(0.0, 0.5))
 def test_of_3_x_3_nodes_the_largest_share_is_known(seed, noise):
@@ -140,6 +141,7 @@ def test_of_3_x_3_nodes_the_largest_share_is_known(seed, noise):
     assert isinstance(contracted_places(grid, share=largest * (1 + 1e-6)), Conflict)
 
 
+@pytest.mark.slow
 @each_open
 def test_where_nothing_else_is_known_every_grid_has_a_sliver(start, share):
     found = find_sliver(start)
@@ -166,6 +168,7 @@ def test_its_certificate_says_what_is_proved_and_no_more():
     assert all(other.impossible for other in gg.certificates(band(9, 3, 5), search=True))
 
 
+@pytest.mark.slow
 def test_an_undecided_result_carries_it(monkeypatch):
     """What takes long, and does not help, is left out."""
     monkeypatch.setattr(run, "unfold_from_middles", lambda *_: False)
@@ -224,6 +227,7 @@ def test_its_picture_names_it(tmp_path):
     assert len(panel.patches) >= proof.numbers["cells"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "ni", "nj"), [(2480, 6, 8), (106180, 7, 9), (511, 8, 9)])
 def test_from_the_places_of_the_best_grids_a_valid_one_is_found(seed, ni, nj):
     """From the places of all valid grids alone none was found."""

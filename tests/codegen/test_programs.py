@@ -114,6 +114,7 @@ def second_derivative_names(program):
     return {name for name in program.outputs if name.endswith(("xixi", "xieta", "etaeta"))}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=case_name)
 def test_lowered_programs_equal_the_derived_expressions(case):
     expected = corner_expressions(*case) | (equation_expressions(*case) if case in EQUATION_CASES else {})

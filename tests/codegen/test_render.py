@@ -34,6 +34,7 @@ def compile_strictly(source, folder, *flags, compiler=COMPILER):
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("path", sorted((resource_folder("generated") / "c").glob("*.c")), ids=lambda path: path.stem)
@@ -55,6 +56,7 @@ def test_parts_compile_without_a_warning_of_either_compiler(name, part, compiler
     assert told.returncode == 0, told.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 @pytest.mark.parametrize("case", DERIVED, ids=case_name)
 def test_derived_c_compiles_without_a_warning(case, tmp_path):

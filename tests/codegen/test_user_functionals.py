@@ -40,6 +40,7 @@ def defined(request):
     return define(request.param, density, parameters=parameters, corner_factor=2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", ["plain", "differentiated"])
 def test_programs_equal_the_derived_expressions(defined, variant):
     programs, model = derived_kernel(defined, variant).programs, corner_model(defined, variant)
@@ -55,6 +56,7 @@ def test_programs_equal_the_derived_expressions(defined, variant):
                 assert close(found[f"h{row}{column}"], expected, mpmath.mpf(10) ** -28)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
 @pytest.mark.parametrize("defined", ["waves", "powers", "awkward"], indirect=True)
 def test_kernels_equal_on_both_backends(defined):

@@ -78,6 +78,7 @@ def test_advice_follows_from_properties_alone():
     assert "not invariant under rotation" in "".join(consequences(classify(Functional("mine", "x_xi**2 + J**2"))))
 
 
+@pytest.mark.slow
 def test_the_papers_pages_show_every_equation_and_erratum():
     verdicts = verified()
     parts = chapters(verdicts)

@@ -303,6 +303,7 @@ print(ctypes.CDLL(str(compile_library("tiny", {ANSWER!r}))).answer())
 """
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_many_processes_at_once_leave_one_library(cache):
     started = [
@@ -492,6 +493,7 @@ print(gg.optimize(gg.domain("swan", 9, 9), "mine").grid.planes.tobytes().hex())
 """
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.usefixtures("quick_compiler")
 def test_two_processes_with_one_cold_cache_make_the_same_grid(cache):
@@ -528,6 +530,7 @@ def test_a_part_is_compiled_when_it_is_first_called_and_said(cache, capsys):
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_each_part_exports_its_functions_and_no_others(cache):
     assert sorted(name for names in PARTS.values() for name in names) == sorted(SIGNATURES)

@@ -55,6 +55,7 @@ def differences(function, xy):
     return columns.reshape(*columns.shape[:-1], *xy.shape)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
 @pytest.mark.parametrize("case", CASES, ids=case_name)
 def test_the_gradient_is_the_slope_of_the_energy(case, inner):
@@ -64,6 +65,7 @@ def test_the_gradient_is_the_slope_of_the_energy(case, inner):
     assert relative_difference(gradient, expected) < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
 @pytest.mark.parametrize("case", CASES, ids=case_name)
 def test_the_hessian_is_the_slope_of_the_gradient(case, inner):
@@ -80,6 +82,7 @@ def test_the_hessian_is_the_slope_of_the_gradient(case, inner):
     assert relative_difference(broken, expected) > 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
 @pytest.mark.parametrize("case", CASES, ids=case_name)
 def test_the_hessian_times_a_vector(case, inner):
@@ -105,6 +108,7 @@ def test_the_hessian_times_a_vector(case, inner):
 # ---- a block of a larger grid: its own rows, strides that are not its width, and a halo of one node ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [case for case in CASES if case[1] != "regularized"], ids=case_name)
 def test_a_block_with_a_halo_gives_the_rows_of_the_whole(case):
     """What the ranks of a distributed engine will ask for; C only, for NumPy has no strides of its own."""
@@ -162,6 +166,7 @@ def test_some_full_hessian_has_a_negative_eigenvalue():
     assert {"area", "orthogonality", "winslow"} <= set(indefinite)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", EQUATION_CASES, ids=case_name)
 def test_the_jacobian_is_the_slope_of_the_residual(case):
     kernels, spacing = kernel_set(*case, BACKEND), (0.7, 0.4)

@@ -135,6 +135,7 @@ def test_the_residual_kernel_tends_to_the_residual(case):
     assert residual_error(functional(case[0]), kernel_set(*case), FINE) < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", [gradient_error, residual_error])
 def test_both_hold_for_a_functional_of_a_user(user_case, error):
     definition, variant = user_case

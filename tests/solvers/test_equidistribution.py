@@ -50,6 +50,7 @@ def solved(solver, mode, source, cells):
     return SOLVERS[solver](start, gg.Weight(SOURCES[source], mode=mode))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", SOURCES)
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -30,6 +30,7 @@ def neck():
 BANDS = [(20111, 6, 7, 3e-2), (20304, 8, 7, 3e-2), (907, 8, 5, 1e-2), (732, 9, 8, 1e-2)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BARRIER)
 def test_a_band_is_gridded(name):
     start = band(*BANDS[1])
@@ -69,6 +70,7 @@ def test_bands_at_any_size_place_and_angle_become_valid():
         assert unfold(gg.Grid(moved))[1]
 
 
+@pytest.mark.slow
 def test_a_fold_in_a_large_grid_is_unfolded_by_the_nodes_round_it():
     xy = gg.domain("square", 41, 41).xy
     xy[20, 20] += 0.11, 0.07

@@ -148,6 +148,7 @@ def test_an_almost_folded_start_does_not_pass_for_a_measure(name, eliminates, mo
     assert result.energy == pytest.approx(least, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["newton", "local"])
 def test_a_constant_in_the_density_changes_nothing(method):
     """Winslow's density less its least value: the energy tends to 0, and with it what is a part of the energy."""

@@ -79,6 +79,7 @@ def assert_honest(result, start):
     assert result.certificates, result.message
 
 
+@pytest.mark.slow
 @each_untangler
 @each_barrier
 @settings(max_examples=25)
@@ -112,6 +113,7 @@ def roomy_curves(seed, count):
     return make(seed, count, shape)
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(SIZES, SEEDS)
 def test_a_roomy_boundary_gives_a_valid_grid_or_a_proof(size, seed):
@@ -119,6 +121,7 @@ def test_a_roomy_boundary_gives_a_valid_grid_or_a_proof(size, seed):
     assert result.converged or any(proof.impossible for proof in result.certificates), result.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(49))
 def test_a_thin_band_gives_a_valid_grid_or_a_proof(seed):
     """One of every size. Of a few in a thousand bands only this is proved, that every grid has a sliver."""

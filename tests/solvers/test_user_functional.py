@@ -33,6 +33,7 @@ def springy():
     return gg.define("springy", "(g11 + g22)/2 + k*g12**2 + J**2", parameters={"k": 0.3}, corner_factor=2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("which", ["walled", "springy"])
 def test_it_is_minimised_on_both_backends(method, which, backend, request):
@@ -153,6 +154,7 @@ def test_bad_parameters_are_refused(solve, parameters, said):
         solve(mild_grid(), "combined", parameters=parameters)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["newton", "local"])
 def test_an_energy_without_a_lower_bound_is_told(method):
     gg.define("runaway", lambda m: -m.g11 - m.g22)

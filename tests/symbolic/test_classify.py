@@ -161,6 +161,7 @@ def test_the_degree_is_that_of_numerators():
     assert is_high([sympy.exp(x_xi**13)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", ["frozen", "differentiated"])
 @pytest.mark.parametrize("name", functionals())
 def test_weighted_variants(name, variant):

@@ -79,6 +79,7 @@ def sides(name, variant):
     return ours, theirs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", WEIGHTS)
 @pytest.mark.parametrize("name", functionals())
 def test_residual_is_minus_sympys_functional_derivative(name, variant):

@@ -65,6 +65,7 @@ def gradient_error(model, gradient, point):
     return max(abs(a - b) / (1 + abs(b)) for a, b in pairs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "variant"), CASES)
 def test_gradient_and_hessian_against_differences(name, variant):
     model = corner_model(functional(name), variant)

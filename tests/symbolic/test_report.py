@@ -14,6 +14,7 @@ from gridgen_sym.symbolic.report.sections import Quasilinear, sections
 from gridgen_sym.symbolic.report.tidy import common_factor, paper_order, tidy
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", functionals())
 def test_text_has_every_part(name):
     text = derive_text(functional(name))
@@ -63,6 +64,7 @@ def shown(name):
     return dict(item for item in items if isinstance(item, tuple)), equations
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", functionals())
 def test_tidy_expressions_have_the_values_of_the_derived_ones(name):
     named, equations = shown(name)

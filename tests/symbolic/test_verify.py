@@ -34,6 +34,7 @@ def test_keys_are_unique():
     assert len(BY_KEY) == len(PRINTED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", EXPECTED)
 def test_each_erratum_is_found_where_it_stands(verdicts, key):
     assert {name for name, verdict in verdicts.items() if verdict.erratum == key} == EXPECTED[key]
