@@ -138,7 +138,8 @@ def test_twin_entry_templates_use_the_same_variables_and_all_of_them():
 
 def test_every_template_is_used():
     reached = set()
-    code = [path.read_text(encoding="utf-8") for path in TEMPLATES.parent.joinpath("gridgen_sym").rglob("*.py")]
+    folders = (TEMPLATES.parent / "gridgen_sym", TEMPLATES.parent / "docs" / "_ext")
+    code = [path.read_text(encoding="utf-8") for folder in folders for path in folder.rglob("*.py")]
     pages = {f"docs/{name}" for text in code for name in re.findall(r'"(\w+\.(?:md|html)\.jinja)"', text)}
     waiting = [*(entry for entry, _, _ in LANGUAGES.values()), *pages]
     while waiting:

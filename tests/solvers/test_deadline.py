@@ -12,12 +12,13 @@ from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
 import gridgen_sym as gg
 from gridgen_sym.solvers.equations import newton as equations_newton
 from gridgen_sym.solvers.equations.residual import Equations
-from gridgen_sym.solvers.newton.minimize import _minimize_window
-from gridgen_sym.solvers.newton.nonlinear_elimination import eliminate
+from gridgen_sym.solvers.newton import minimize as newton
+from gridgen_sym.solvers.newton.nonlinear_elimination import sweep_standing_out
 from gridgen_sym.solvers.newton.steps import NewtonSteps
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.run.progress import Progress
+from gridgen_sym.solvers.run.status import StopReason
 from gridgen_sym.solvers.untangling import lift
 from gridgen_sym.solvers.untangling.middles import unfold_from_middles
 
@@ -34,7 +35,7 @@ class Ends(Deadline):
     def check(self):
         self.asked += 1
         if self.asked > self.after:
-            raise StopRequest("time limit", "the time is over")
+            raise StopRequest(StopReason.TIME_LIMIT, "the time is over")
         return super().check()
 
 
@@ -67,7 +68,7 @@ def test_whenever_the_time_is_over_the_best_grid_so_far_is_returned(solve, start
         return solve(start, "winslow")
 
     made = []
-    for module in ("optimize", "euler_lagrange"):
+    for module in ("optimize", "equations.euler_lagrange"):
         monkeypatch.setattr(import_module(f"gridgen_sym.solvers.{module}"), "Deadline", lambda seconds: made[-1])
     whole = run(10**9)
     assert not whole.interrupted
@@ -85,9 +86,9 @@ def test_whenever_the_time_is_over_the_best_grid_so_far_is_returned(solve, start
 
 def test_a_window_is_left_in_time_and_what_it_has_done_is_kept():
     swept, point, asked = point_of(stretched()), point_of(stretched()), Ends(10**9)
-    eliminate(swept, lambda *_: None, asked)
+    sweep_standing_out(swept, asked)
     with pytest.raises(StopRequest):
-        eliminate(point, _minimize_window, Ends(asked.asked + 6))
+        newton._eliminate(point, Ends(asked.asked + 6))
     point.evaluate()
     assert point.smallest > 0
     assert point.energy < swept.energy

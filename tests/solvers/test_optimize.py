@@ -254,7 +254,7 @@ def test_the_callback_sees_every_step(method):
 def test_progress_is_shown_where_it_takes_long(monkeypatch, live_line):
     gg.optimize(mild_grid(), "winslow", "local", max_iterations=2, progress=True)
     assert not live_line, "it did not take long"
-    monkeypatch.setattr("gridgen_sym.solvers.minimization.live.PATIENCE", -1.0)
+    monkeypatch.setattr("gridgen_sym.solvers.run.live.PATIENCE", -1.0)
     gg.optimize(mild_grid(), "winslow", "local", max_iterations=2)
     assert not live_line, "standard error is no terminal"
     result = gg.optimize(mild_grid(), "winslow", "local", max_iterations=2, progress=True)
