@@ -17,7 +17,7 @@ from ..grids.grid import Grid, check_counts
 from ..grids.transfinite import transfinite
 from ..messages import say
 from .corners import CornerChoice, Corners, automatic_corners
-from .outline_checks import checked_corners, checked_points, corners_of_turns, crossing_text, run_backwards
+from .outline_checks import checked_corners, checked_points, crossing_text, run_backwards
 from .outline_file import parse_outline
 from .outline_sides import check_sampling, corner_choice, rolled, sampled_sides
 from .polygon import first_crossing, first_repeated, is_clockwise
@@ -59,7 +59,8 @@ class Outline:
                 point at the end, by which many programs say that a curve is closed, are left out.
             corners: four indices in the order of the points; or N marks, 1 at the four corners and 0 elsewhere, as
                 pygridgen's `beta`; or 'auto': the best four for a square of cells, see `choose_corners`. The points
-                are rolled so that the first corner comes first.
+                are rolled so that the first corner comes first. Indices and marks of copies of the first point are
+                those of that point.
             name: what to call it in messages.
             reorient: run a clockwise curve backwards from its second corner, which is said: bottom and top stay on
                 their curves, left and right change places. Without it such a curve is refused.
@@ -67,12 +68,10 @@ class Outline:
         Raises:
             GridgenError: naming the outline, the fault, its place and the repair.
         """
-        array = checked_points(points, name)
+        array, copies = checked_points(points, name)
         automatic, checked = isinstance(corners, str) and corners == "auto", (0, 1, 2, 3)
         if not automatic:
-            marked = corners_of_turns(corners, array, name)
-            chosen = checked_corners(corners if marked is None else marked, len(array), name)
-            array, checked = rolled(array, chosen)
+            array, checked = rolled(array, checked_corners(corners, len(array), name, copies))
         crossing = first_crossing(array)
         if crossing is not None:
             raise GridgenError(f"the outline '{name}' crosses or touches itself: {crossing_text(array, crossing)}")
@@ -205,7 +204,7 @@ class Outline:
 
         Raises:
             GridgenError: as for `sides`, and when two of the sampled nodes are one point or their polygon crosses
-                itself, so that any grid would have folded or overlapping cells.
+                itself, so that the grid would fold or overlap itself.
         """
         bottom, top, left, right = self.sides(ni, nj, corners, sampling)
         ring = np.concatenate((bottom[:-1], right[:-1], top[:0:-1], left[:0:-1]))
@@ -216,8 +215,8 @@ class Outline:
         crossing = first_crossing(ring)
         if crossing is not None:
             raise GridgenError(
-                f"{fault} crosses itself, so that no valid grid exists: {crossing_text(ring, crossing)} (counted along "
-                "the sampled boundary); take more nodes"
+                f"{fault} crosses itself, so that a grid would fold or overlap itself: {crossing_text(ring, crossing)} "
+                "(counted along the sampled boundary); take more nodes"
             )
         return transfinite(bottom, top, left, right)
 

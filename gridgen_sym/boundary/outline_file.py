@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
+from ..parsing import number_in, whole_number_in
 
 
 def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[int] | None, list[list[float]]]:
@@ -38,11 +39,13 @@ def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[in
 def _parsed_corners(value: str, where: str) -> list[int]:
     """Return the corners of a comment line."""
     try:
-        corners = [int(word) for word in value.replace(",", " ").split()]
+        corners = [whole_number_in(word) for word in value.replace(",", " ").split()]
     except ValueError:
         corners = []
     if len(corners) != 4:
-        raise GridgenError(f"{where} has the corners {value.strip()!r}; expected four whole numbers, as '0 10 20 30'")
+        raise GridgenError(
+            f"{where} has the corners {quoted(value.strip(), 60)}; expected four whole numbers, as '0 10 20 30'"
+        )
     return corners
 
 
@@ -58,11 +61,11 @@ def _is_header(line: str, separator: str) -> bool:
 def _parsed_point(line: str, separator: str, first: bool, where: str) -> list[float]:
     """Return the point of a line; the first one may have been meant for a header."""
     try:
-        x, y = (float(word) for word in _words(line, separator))
+        x, y = (number_in(word) for word in _words(line, separator))
     except ValueError as error:
         between = {";": "a semicolon", ",": "a comma", "\t": "a tab", " ": "blanks"}[separator]
         wanted = "the header 'x,y' (put # before any other) or two numbers" if first else "two numbers"
-        raise GridgenError(f"{where} is {line[:60]!r}; expected {wanted} with {between} between") from error
+        raise GridgenError(f"{where} is {quoted(line, 60)}; expected {wanted} with {between} between") from error
     return [x, y]
 
 

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..atomic import read_bytes, write_bytes
-from ..errors import GridgenError
+from ..errors import GridgenError, MissingExtraError, quoted
 from ..grids.grid import Grid
-from . import cgns, plot3d, tables, vtk
+from . import cgns, npz, plot3d, tables, vtk
 
 
 @dataclass(frozen=True, slots=True)
 class _Format:
-    """A kind of file: its name, and two functions that know nothing of the disk; one without the first is not read."""
+    """A kind of file: its name, and two functions that know nothing of the disk."""
 
     name: str
-    decode: Callable[[bytes], Grid] | None
+    decode: Callable[[bytes], Grid]
     encode: Callable[[Grid], bytes]
 
 
@@ -26,13 +26,13 @@ _FORMATS = {
     ".vts": _Format("VTK XML structured grid", vtk.decode, vtk.encode),
     ".xyz": _Format("PLOT3D grid", plot3d.decode, plot3d.encode),
     ".csv": _Format("table of nodes", tables.decode_csv, tables.encode_csv),
-    ".npz": _Format("NumPy archive", tables.decode_npz, tables.encode_npz),
-    ".cgns": _Format("CGNS file", None, cgns.encode),
+    ".npz": _Format("NumPy archive", npz.decode, npz.encode),
+    ".cgns": _Format("CGNS file", cgns.decode, cgns.encode),
 }
 
 
 def known_suffixes() -> list[str]:
-    """Return the suffixes of the grid files that can be written; all but ``.cgns`` can be read."""
+    """Return the suffixes of the grid files that can be read and written."""
     return list(_FORMATS)
 
 
@@ -41,20 +41,20 @@ def read(path: str | os.PathLike[str]) -> Grid:
 
     Args:
         path: ends in ``.vts`` (VTK XML structured grid), ``.xyz`` (PLOT3D, ASCII), ``.csv`` (columns i, j, x,
-            y) or ``.npz`` (NumPy archive with an array ``xy``). Upper and lower case are alike.
+            y), ``.npz`` (NumPy archive with an array ``xy``, or ``x`` and ``y``) or ``.cgns`` (CGNS on HDF5). Upper and
+            lower case are alike.
 
     Raises:
         GridgenError: for an unknown suffix, a file that is missing, empty, cut short or not of its kind, or
             coordinates that are no grid; the message names the path.
+        MissingExtraError: for ``.cgns``, if h5py is not installed.
     """
     form = _format_of(path)
-    if form.decode is None:
-        raise GridgenError(
-            f"cannot read {path}: a {form.name} is written, but not read; keep the grid as .vts or .npz too"
-        )
     data = read_bytes(path)
     try:
         return form.decode(data)
+    except MissingExtraError:
+        raise
     except GridgenError as error:
         raise GridgenError(f"cannot read {path} as a {form.name}: {error}") from error
 
@@ -66,7 +66,7 @@ def write(grid: Grid, path: str | os.PathLike[str]) -> None:
 
     Args:
         grid: the grid.
-        path: as for `read`, or with the suffix ``.cgns`` (CGNS on HDF5); an existing file is replaced.
+        path: as for `read`; an existing file is replaced.
 
     Raises:
         GridgenError: for an unknown suffix, or a place where no file can be written.
@@ -82,7 +82,7 @@ def _format_of(path: str | os.PathLike[str]) -> _Format:
     except TypeError:
         text = None
     if not isinstance(text, str) or "\0" in text:
-        raise GridgenError(f"a file name must be text or a path, but is {path!r}")
+        raise GridgenError(f"a file name must be text or a path, but is {quoted(path)}")
     suffix = Path(text).suffix.lower()
     if suffix not in _FORMATS:
         known = ", ".join(f"{key} ({form.name})" for key, form in _FORMATS.items())

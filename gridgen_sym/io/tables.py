@@ -1,15 +1,13 @@
-"""Grids as plain tables: CSV with the columns i, j, x, y, and NumPy archives with the array xy."""
+"""Grids as tables: CSV with the columns i, j, x, y."""
 
 from __future__ import annotations
 
 import io
-import zipfile
-import zlib
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted, shortened
 from ..grids.grid import Grid
 
 HEADER = "i,j,x,y"
@@ -40,7 +38,7 @@ def decode_csv(data: bytes) -> Grid:
         raise GridgenError(f"byte {error.start} is not text; expected the header '{HEADER}'") from error
     header, _, body = text.partition("\n")
     if header.replace(" ", "").strip().lower() != HEADER:
-        raise GridgenError(f"line 1 is {header.strip()[:60]!r}; expected the header '{HEADER}'")
+        raise GridgenError(f"line 1 is {quoted(header.strip(), 60)}; expected the header '{HEADER}'")
     if not body.strip():
         raise GridgenError("it has a header and no rows; expected one row for each node")
     if not body.endswith("\n"):
@@ -48,7 +46,9 @@ def decode_csv(data: bytes) -> Grid:
     try:
         rows = np.loadtxt(io.StringIO(body), delimiter=",", comments=None, ndmin=2)
     except ValueError as error:
-        raise GridgenError(f"{error} (row 0 is the first below the header); expected four numbers a row") from error
+        raise GridgenError(
+            f"{shortened(error)} (row 0 is the first below the header); expected four numbers a row"
+        ) from error
     if rows.shape[1] != 4:
         raise GridgenError(f"its rows have {rows.shape[1]} columns; expected the four of '{HEADER}'")
     return _grid_of_rows(rows)
@@ -72,44 +72,3 @@ def _grid_of_rows(rows: Array) -> Grid:
     xy = np.empty((ni * nj, 2))
     xy[place] = rows[:, 2:]
     return Grid(xy.reshape(ni, nj, 2))
-
-
-def encode_npz(grid: Grid) -> bytes:
-    """Return the grid as a NumPy archive with the one array ``xy``, shape (ni, nj, 2)."""
-    stream = io.BytesIO()
-    np.savez(stream, xy=grid.xy)
-    return stream.getvalue()
-
-
-def decode_npz(data: bytes) -> Grid:
-    """Return the grid of a NumPy archive that holds the array ``xy``, shape (ni, nj, 2).
-
-    Raises:
-        GridgenError: if the archive is damaged, holds Python objects, or has no array ``xy``.
-    """
-    try:
-        # Objects stay forbidden: unpickling a file from elsewhere would run its code.
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            names = list(archive)
-            if "xy" not in names:
-                raise GridgenError(f"it holds {', '.join(names) or 'nothing'}; expected the array 'xy' (ni, nj, 2)")
-            xy = archive["xy"]
-    except GridgenError:
-        raise
-    except (
-        ValueError,
-        TypeError,
-        OSError,
-        EOFError,
-        KeyError,
-        MemoryError,
-        NotImplementedError,
-        RuntimeError,
-        SyntaxError,
-        zlib.error,
-        zipfile.BadZipFile,
-    ) as error:
-        raise GridgenError(
-            f"it is no whole NumPy archive ({error}); write it again with np.savez(path, xy=xy)"
-        ) from error
-    return Grid(xy)

@@ -18,8 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted, shortened
 from ..grids.grid import Grid
+from ..parsing import whole_number_in
+from .checks import check_packing, plane_grid
 
 _TYPES = {"Float32": "f4", "Float64": "f8"}
 _ZLIB = "vtkZLibDataCompressor"
@@ -49,13 +51,16 @@ def decode(data: bytes) -> Grid:
             compressor, or data that do not fit the extent.
     """
     xml, appended = _split_appended(data)
+    if b"<!DOCTYPE" in xml or b"\0" in xml:  # Entities could be written out without end; UTF-16 would hide them.
+        raise GridgenError(f"it declares a document type, or is no plain text, which no VTK file does; {_DAMAGED}")
     try:
         root = ElementTree.fromstring(xml)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise GridgenError(f"its XML is broken ({error}); {_DAMAGED}") from error
     if root.tag != "VTKFile" or root.get("type") != "StructuredGrid":
         raise GridgenError(
-            f"its root is <{root.tag} type={root.get('type')!r}>; expected a VTKFile of type StructuredGrid"
+            f"its root is <{shortened(root.tag)} type={quoted(root.get('type'))}>; expected a VTKFile of type "
+            "StructuredGrid"
         )
     pieces = root.findall("StructuredGrid/Piece")
     if len(pieces) != 1:
@@ -64,23 +69,23 @@ def decode(data: bytes) -> Grid:
     if array is None:
         raise GridgenError(f"it has no Points/DataArray; {_DAMAGED}")
     ni, nj = _shape(pieces[0].get("Extent", ""))
-    values = _Source(root, appended).values(array)
+    values = _Source(root, appended, 3 * ni * nj).values(array)
     if values.size != 3 * ni * nj:
         raise GridgenError(f"its extent has {ni} x {nj} points of 3 numbers, but {values.size} came; {_DAMAGED}")
     x, y, z = (plane.T for plane in values.reshape(nj, ni, 3).transpose(2, 0, 1))
-    if np.ptp(z) != 0:
-        raise GridgenError("it is a surface in space, its z varies; expected a plane grid")
-    return Grid.from_planes(x, y)
+    return plane_grid(x, y, z)
 
 
 def _shape(extent: str) -> tuple[int, int]:
     """Return the numbers of nodes from an extent of six numbers, flat along k."""
     try:
-        i0, i1, j0, j1, k0, k1 = (int(word) for word in extent.split())
+        i0, i1, j0, j1, k0, k1 = (whole_number_in(word) for word in extent.split())
     except ValueError as error:
-        raise GridgenError(f"the extent of its piece is {extent!r}; expected six whole numbers") from error
+        raise GridgenError(f"the extent of its piece is {quoted(extent)}; expected six whole numbers") from error
     if k0 != k1 or i1 < i0 or j1 < j0:
-        raise GridgenError(f"the extent of its piece is {extent!r}; expected a grid in i and j with a single k plane")
+        raise GridgenError(
+            f"the extent of its piece is {quoted(extent)}; expected a grid in i and j with a one k plane"
+        )
     return i1 - i0 + 1, j1 - j0 + 1
 
 
@@ -95,52 +100,60 @@ def _split_appended(data: bytes) -> tuple[bytes, bytes]:
 
 @dataclass(frozen=True, slots=True)
 class _Source:
-    """What is needed to decode the data arrays of one file."""
+    """What is needed to decode the data arrays of one file.
+
+    Attributes:
+        root: of the XML.
+        appended: the content of <AppendedData>.
+        count: how many numbers the extent allows; no more is decompressed.
+    """
 
     root: ElementTree.Element
     appended: bytes
+    count: int
 
     def values(self, array: ElementTree.Element) -> Array:
         """Return the numbers of one <DataArray>, flat."""
         kind, form = array.get("type", ""), array.get("format", "ascii")
         if kind not in _TYPES:
-            raise GridgenError(f"its points have the type {kind!r}; expected {' or '.join(_TYPES)}")
+            raise GridgenError(f"its points have the type {quoted(kind)}; expected {' or '.join(_TYPES)}")
         try:
             if form == "ascii":
-                return np.array((array.text or "").split(), dtype=np.float64)
-            content = self._content(array, form)
+                return _ascii(array.text or "")
+            content = self._content(array, form, self.count * int(_TYPES[kind][1:]))
             return np.frombuffer(content, dtype=self._order() + _TYPES[kind]).astype(np.float64)
         except (ValueError, IndexError, OverflowError, binascii.Error, zlib.error) as error:
             if isinstance(error, GridgenError):
                 raise
-            raise GridgenError(f"its points cannot be decoded ({error}); {_DAMAGED}") from error
+            raise GridgenError(f"its points cannot be decoded ({shortened(error)}); {_DAMAGED}") from error
 
-    def _content(self, array: ElementTree.Element, form: str) -> bytes:
-        """Return the bytes of one array, decoded and decompressed."""
+    def _content(self, array: ElementTree.Element, form: str, size: int) -> bytes:
+        """Return the bytes of one array, of which `size` are expected, decoded and decompressed."""
         if form == "binary":
-            return self._unpack(b"".join((array.text or "").encode().split()), encoded=True)
+            return self._unpack(b"".join((array.text or "").encode().split()), size, encoded=True)
         if form != "appended":
-            raise GridgenError(f"its points have the format {form!r}; expected ascii, binary or appended")
+            raise GridgenError(f"its points have the format {quoted(form)}; expected ascii, binary or appended")
         section = self.root.find("AppendedData")
         encoded = section is not None and section.get("encoding") == "base64"
-        return self._unpack(self.appended[int(array.get("offset", "0")) :], encoded=encoded)
+        return self._unpack(self.appended[whole_number_in(array.get("offset", "0")) :], size, encoded=encoded)
 
-    def _unpack(self, stream: bytes, *, encoded: bool) -> bytes:
-        """Take off VTK's header of lengths, base64 and compression."""
+    def _unpack(self, stream: bytes, expected: int, *, encoded: bool) -> bytes:
+        """Take off VTK's header of lengths, base64 and compression, for `expected` bytes."""
         word = np.dtype(self._order() + ("u8" if self.root.get("header_type") == "UInt64" else "u4"))
         compressor = self.root.get("compressor", "")
         if not compressor:
             (size,) = self._header(stream, word, 1, encoded).tolist()
             return self._body(stream, word.itemsize, size, encoded)
         if compressor != _ZLIB:
-            raise GridgenError(f"its compressor is {compressor!r}; expected {_ZLIB}, none, or ASCII: save it so")
+            raise GridgenError(f"its compressor is {quoted(compressor)}; expected {_ZLIB}, none, or ASCII: save it so")
         (blocks,) = self._header(stream, word, 1, encoded).tolist()
         if blocks * word.itemsize > len(stream):
             raise ValueError(f"{blocks} compressed blocks announced in {len(stream)} bytes")
         sizes = self._header(stream, word, 3 + blocks, encoded)[3:].tolist()
         packed = self._body(stream, word.itemsize * (3 + blocks), sum(sizes), encoded)
         ends = np.cumsum([0, *sizes]).tolist()
-        return b"".join(zlib.decompress(packed[a:b]) for a, b in pairwise(ends))
+        check_packing(len(packed), expected, "what its blocks hold")
+        return _decompressed([packed[a:b] for a, b in pairwise(ends)], expected)
 
     def _header(
         self, stream: bytes, word: np.dtype[np.unsignedinteger], count: int, encoded: bool
@@ -164,6 +177,27 @@ class _Source:
     def _order(self) -> str:
         """Return NumPy's sign for the file's byte order."""
         return ">" if self.root.get("byte_order") == "BigEndian" else "<"
+
+
+def _ascii(text: str) -> Array:
+    """Return the numbers of a text."""
+    if "_" in text:  # NumPy takes 1_0 for ten.
+        raise ValueError(f"{quoted(next(word for word in text.split() if '_' in word))} is not a number")
+    return np.array(text.split(), dtype=np.float64)
+
+
+def _decompressed(blocks: list[bytes], expected: int) -> bytes:
+    """Return what blocks hold, of which no more is decompressed than tells that there is too much."""
+    parts, left = [], expected
+    for block in blocks:
+        stream = zlib.decompressobj()
+        parts.append(stream.decompress(block, left + 1))
+        left -= len(parts[-1])
+        if left < 0:
+            raise ValueError(f"its blocks hold more than the {expected} bytes that its extent allows")
+        if not stream.eof:
+            raise ValueError("a compressed block is not whole")
+    return b"".join(parts)
 
 
 def _encoded_size(size: int) -> int:

@@ -308,3 +308,76 @@ def test_all_shared_outlines_are_accepted():
     assert len(paths) == 12
     for path in paths:
         assert quality(Outline.read(path).grid(33, 33)).mean_jacobian > 0
+
+
+# ---- curves that repeat their first point, with corners of their own ----
+
+BENT = [[0, 0], [1, 0], [2, 0.5], [1, 1], [0, 1]]
+
+
+@pytest.mark.parametrize("copies", [0, 1, 2])
+@pytest.mark.parametrize("mark", [0, 1])
+def test_marks_of_a_closed_curve_are_those_of_its_points(copies, mark):
+    """As gridgen's own examples have them: the copy of the first point has a mark, too."""
+    closed = Outline(BENT + BENT[:1] * copies, [1, 1, 0, 1, 1] + [mark] * copies)
+    assert closed == Outline(BENT, (0, 1, 3, 4))
+    last = Outline(BENT + BENT[:1] * copies, [0 if copies and mark else 1, 1, 0, 1, 1] + [mark] * copies)
+    assert last == closed
+
+
+@pytest.mark.parametrize("corners", [(5, 1, 3, 4), (1, 3, 4, 5), (3, 4, 5, 1)])
+def test_the_index_of_the_copy_is_that_of_the_first_point(corners):
+    assert Outline(BENT + BENT[:1], corners) == Outline(BENT, [corner % 5 for corner in corners])
+
+
+@pytest.mark.parametrize(
+    ("corners", "message"),
+    [
+        ((0, 1, 3, 5), r"are \[0, 1, 3, 5\]; point 5 is point 0 again, and no other corner"),
+        (
+            [1, 1, 0, 1, 0, 1],
+            "hold 3 times 1 and 0 times -1; the last point is the first one again, so that their marks",
+        ),
+        ([1, 1, 0, 1, 1, -1], "hold 4 times 1 and 1 times -1$"),
+        ((0, 1, 3, 6), r"from 0 to 4, in the order of the points, but are \[0, 1, 3, 6\]$"),
+        (list(range(1000)), r"but are \[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, \.\.\.\]"),
+    ],
+)
+def test_a_copy_that_is_meant_as_another_corner_is_told(corners, message):
+    with pytest.raises(GridgenError, match=message):
+        Outline(BENT + BENT[:1], corners)
+
+
+def test_numbers_of_a_file_are_written_as_everyone_writes_them(tmp_path):
+    path = tmp_path / "outline.txt"
+    for text, message in (
+        ("# corners: 0 1 2 3\n0,0\n1_0,0\n1_0,1\n0,1\n", "line 3 is '1_0,0'; expected two numbers"),
+        ("# corners: 0 1 2 0_3\n0,0\n1,0\n1,1\n0,1\n", "has the corners '0 1 2 0_3'; expected four whole numbers"),
+        ("# corners: 0 1 2 3\n0,0\n١,0\n1,1\n0,1\n", "line 3 is"),
+        (f"# corners: {'0 ' * 9999}\n", r"has the corners '0 0 .*\.\.\. \(19\d+ characters\)"),
+    ):
+        path.write_text(text)
+        with pytest.raises(GridgenError, match=message) as told:
+            Outline.read(path)
+        assert len(str(told.value)) < 500
+
+
+@pytest.mark.parametrize("large", [1e301, 1.7e308])
+def test_coordinates_whose_lengths_overflow_are_refused(large):
+    with pytest.raises(GridgenError, match=r"must lie within 1e\+300 of 0, or lengths overflow, but point 1 is"):
+        Outline([[0, 0], [large, 0], [large, large], [-large, large]], (0, 1, 2, 3))
+    with pytest.raises(GridgenError, match="must be finite, but point 1"):
+        Outline([[0, 0], [np.inf, 0], [1, large], [0, 1]], (0, 1, 2, 3))
+    Outline([[0, 0], [1e300, 0], [1e300, 1e300], [-1e300, 1e300]], (0, 1, 2, 3)).grid(9, 9)
+
+
+def test_a_sampled_boundary_that_crosses_itself_is_not_called_impossible():
+    """A grid of a boundary that overlaps itself can be valid; an outline's own grids are not to do so."""
+    spiral = np.linspace(0, 7, 300)
+    inner, outer = (
+        np.stack((r * np.cos(spiral), r * np.sin(spiral)), -1) for r in (1 + 0.2 * spiral, 1.9 + 0.2 * spiral)
+    )
+    curve = Outline(np.concatenate((outer, inner[::-1])), (0, 299, 300, 599))
+    with pytest.raises(GridgenError, match=r"would fold or overlap itself.*take more nodes") as told:
+        curve.grid(5, 3)
+    assert "no valid grid" not in str(told.value)

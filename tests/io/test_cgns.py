@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import sys
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from gridgen_sym.boundary import domain
 from gridgen_sym.errors import GridgenError, MissingExtraError
+from gridgen_sym.grids import Grid
 from gridgen_sym.io import cgns, read
 
 GRID = domain("swan", 7, 5)
@@ -57,13 +62,106 @@ def test_one_grid_gives_one_file():
     assert cgns.encode(GRID) == cgns.encode(GRID)
 
 
-def test_it_is_not_read(tmp_path):
-    with pytest.raises(GridgenError, match="written, but not read; keep the grid as"):
-        read(tmp_path / "swan.cgns")
-
-
 def test_without_h5py_the_extra_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(MissingExtraError, match=r"gridgen-sym\[io\]"):
         GRID.write(tmp_path / "swan.cgns")
     assert not list(tmp_path.iterdir())
+
+
+def test_what_is_written_is_read_bit_by_bit(tmp_path):
+    pytest.importorskip("h5py")
+    GRID.write(tmp_path / "swan.cgns")
+    assert read(tmp_path / "swan.cgns") == GRID
+
+
+def changed(change):
+    """A file of ours after a change of its tree."""
+    h5py = pytest.importorskip("h5py")
+    file = io.BytesIO(cgns.encode(GRID))
+    with h5py.File(file, "r+") as root:
+        change(root)
+    return file.getvalue()
+
+
+def put(path, data, **options):
+    """Replace the data of a node."""
+
+    def change(root):
+        group = root[path]
+        if " data" in group:
+            del group[" data"]
+        group.create_dataset(" data", data=data, **options)
+
+    return change
+
+
+COORDINATES = "Base/Zone/GridCoordinates"
+
+
+def add_z(values):
+    def change(root):
+        node = root[COORDINATES].create_group("CoordinateZ")
+        node.attrs.create("label", np.bytes_("DataArray_t"), dtype="S33")
+        node.create_dataset(" data", data=values)
+
+    return change
+
+
+def test_other_writers_have_single_precision_a_k_plane_and_a_constant_z():
+    def change(root):
+        for name, plane in (("X", GRID.x), ("Y", GRID.y)):
+            put(f"{COORDINATES}/Coordinate{name}", plane.T[None].astype(np.float32), compression="gzip")(root)
+        add_z(np.full((1, 5, 7), 2.5))(root)
+
+    found = cgns.decode(changed(change))
+    assert np.array_equal(found.planes, GRID.planes.astype(np.float32))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (put("Base/Zone/ZoneType", np.frombuffer(b"Unstructured", np.int8)), "is Unstructured; expected Structured"),
+        (lambda root: root.copy("Base/Zone", root["Base"], "Zone2"), "2 nodes of the type Zone_t; expected 1"),
+        (lambda root: root["Base"].move("Zone", "../elsewhere"), "0 nodes of the type Zone_t"),
+        (
+            lambda root: root[COORDINATES].move("CoordinateY", "CoordinateR"),
+            "coordinates CoordinateX, CoordinateR",
+        ),
+        (put(f"{COORDINATES}/CoordinateX", np.zeros((2, 5, 7))), r"shape \(7, 5, 2\); expected \(ni, nj\)"),
+        (put(f"{COORDINATES}/CoordinateX", np.zeros((5, 6))), "one shape"),
+        (put(f"{COORDINATES}/CoordinateX", np.full((5, 7), np.nan)), r"node \(0, 0\) is \(nan"),
+        (put(f"{COORDINATES}/CoordinateX", np.array([b"x"])), "are no numbers"),
+        (add_z(np.arange(35.0).reshape(5, 7)), "its z varies"),
+        (add_z(np.full((5, 7), np.inf)), r"that of node \(0, 0\) is inf"),
+    ],
+)
+def test_a_file_with_a_fault(change, message):
+    with pytest.raises(GridgenError, match=message):
+        cgns.decode(changed(change))
+
+
+@settings(max_examples=100)
+@given(place=st.floats(0, 1, exclude_max=True), cut=st.booleans(), byte=st.integers(0, 255))
+def test_a_damaged_file_is_a_grid_or_an_error(place, cut, byte):
+    pytest.importorskip("h5py")
+    data = bytearray(cgns.encode(GRID))
+    k = int(place * len(data))
+    if cut:
+        del data[k:]
+    else:
+        data[k] = byte
+    with contextlib.suppress(GridgenError):  # Any other error, or warning, fails the test.
+        assert isinstance(cgns.decode(bytes(data)), Grid)
+
+
+def test_data_packed_too_tightly_for_a_grid_are_refused():
+    """A file of a few kilobytes that announces eight terabytes."""
+
+    def sparse(root):
+        group = root[f"{COORDINATES}/CoordinateX"]
+        del group[" data"]
+        group.create_dataset(" data", shape=(1 << 20, 1 << 20), dtype="f8", chunks=(1024, 1024))
+
+    with pytest.raises(GridgenError, match="no grid can be packed so tightly"):
+        cgns.decode(changed(sparse))

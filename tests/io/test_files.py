@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import errno
 import io
+import math
 import os
+import struct
 import sys
+import tracemalloc
+import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -18,14 +24,14 @@ from hypothesis.extra import numpy as hnp
 from gridgen_sym.boundary import Outline, domain
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.grids import Grid
-from gridgen_sym.io import known_suffixes, plot3d, read, tables, vtk, write
+from gridgen_sym.io import known_suffixes, npz, plot3d, read, tables, vtk, write
 
 DATA = Path(__file__).parent / "data"
 CODECS = {
     ".vts": (vtk.encode, vtk.decode),
     ".xyz": (plot3d.encode, plot3d.decode),
     ".csv": (tables.encode_csv, tables.decode_csv),
-    ".npz": (tables.encode_npz, tables.decode_npz),
+    ".npz": (npz.encode, npz.decode),
 }
 SWAN = domain("swan", 5, 4)  # What tests/grids/data holds, written by VTK 9.
 
@@ -233,7 +239,7 @@ def test_the_vts_text():
     ("old", "new", "message"),
     [
         ('type="StructuredGrid" v', 'type="ImageData" v', "expected a VTKFile of type StructuredGrid"),
-        ('<Piece Extent="0 4 0 3 0 0">', '<Piece Extent="0 4 0 3 0 1">', "single k plane"),
+        ('<Piece Extent="0 4 0 3 0 0">', '<Piece Extent="0 4 0 3 0 1">', "one k plane"),
         (
             '<Piece Extent="0 4 0 3 0 0">',
             '<Piece Extent="0 4 0 2 0 0">',
@@ -244,6 +250,10 @@ def test_the_vts_text():
         ("0.25 0 0\n", "0.25 0 1\n", "surface in space"),
         ("0.25 0 0\n", "nan 0 0\n", r"node \(1, 0\)"),
         ("0.25 0 0\n", "x 0 0\n", "cannot be decoded"),
+        ("0.25 0 0\n", "1_0 0 0\n", "'1_0' is not a number"),
+        ("0.25 0 0\n", "0.25 0 inf\n", r"every z must be finite, but that of node \(1, 0\) is inf"),
+        ('<Piece Extent="0 4 0 3 0 0">', '<Piece Extent="0 4 0 3 0 0_0">', "six whole numbers"),
+        ('<?xml version="1.0"?>', "<!DOCTYPE a [<!ENTITY b 'bb'>]>", "declares a document type"),
         ('format="ascii"', 'format="hex"', "format 'hex'"),
         ('format="ascii"', 'format="binary"', "cannot be decoded"),
         ('format="ascii"', 'format="appended" offset="0"', "cannot be decoded"),
@@ -256,6 +266,40 @@ def test_a_vts_with_a_fault(old, new, message):
     assert old in text
     with pytest.raises(GridgenError, match=message):
         vtk.decode(text.replace(old, new).encode())
+
+
+def compressed(blocks, announced, extent="0 2 0 2 0 0"):
+    """A .vts file of compressed blocks."""
+    packed = [zlib.compress(block, 9) for block in blocks]
+    head = struct.pack(f"<{3 + len(blocks)}Q", len(blocks), announced, 0, *map(len, packed))
+    data = (base64.b64encode(head) + base64.b64encode(b"".join(packed))).decode()
+    return (
+        f'<VTKFile type="StructuredGrid" header_type="UInt64" compressor="vtkZLibDataCompressor"><StructuredGrid>'
+        f'<Piece Extent="{extent}"><Points><DataArray type="Float64" format="binary">{data}</DataArray></Points>'
+        "</Piece></StructuredGrid></VTKFile>"
+    ).encode()
+
+
+def test_compressed_blocks_of_any_size_are_read():
+    points = np.zeros((4, 5, 3))
+    points[..., :2] = SWAN.xy.transpose(1, 0, 2)
+    data = points.tobytes()
+    assert vtk.decode(compressed([data[:200], data[200:201], b"", data[201:]], 200, "0 4 0 3 0 0")) == SWAN
+
+
+@pytest.mark.parametrize("blocks", [[b"\0" * (1 << 26)], [b"\0" * 216, b"\0" * (1 << 26)], [b"\0" * 217]])
+def test_decompression_stops_at_what_the_extent_allows(blocks):
+    """A megabyte may hold a gigabyte."""
+    tracemalloc.start()
+    with pytest.raises(GridgenError, match="hold more than the 216 bytes that its extent allows"):
+        vtk.decode(compressed(blocks, 216))
+    assert tracemalloc.get_traced_memory()[1] < 1 << 23
+    tracemalloc.stop()
+
+
+def test_an_extent_that_asks_for_more_than_a_grid_would_is_refused():
+    with pytest.raises(GridgenError, match="no grid can be packed so tightly"):
+        vtk.decode(compressed([b"\0" * (1 << 20)], 1 << 20, "0 99999 0 99999 0 0"))
 
 
 def plot3d_text(*, count=True, three=True, words="{}"):
@@ -306,6 +350,54 @@ def test_fortran_shorthands():
 
 
 @pytest.mark.parametrize(
+    ("word", "value"),
+    [("1.5-120", 1.5e-120), ("1.5+120", 1.5e120), ("-1.5-120", -1.5e-120), ("1.5+2", 150.0), ("-.5-003", -0.5e-3),
+     ("2.D-1", 0.2), ("2.5d+02", 250.0), ("2.5Q2", 250.0), ("-7", -7.0), ("1e-3", 1e-3), ("15-1", 1.5)],
+)  # fmt: skip
+@pytest.mark.parametrize("after", [" ", ",", "\n", "\r\n"])
+def test_exponents_of_fortran(word, value, after):
+    """Its E and D descriptors leave the letter out where the exponent has three digits."""
+    words = ["0", "1", "2"] * 3 + [word] * 3 + ["1"] * 3 + [f"2*{word} {word}"]
+    text = "3 3\n" + " ".join(words[:9]) + " " + after.join(words[9:]) + after
+    assert plot3d.decode(text.encode()).y.T.tolist() == [[value] * 3, [1.0] * 3, [value] * 3]
+    with pytest.raises(GridgenError, match=r"could not convert string to float: '0\.1-0\.2'"):
+        plot3d.decode(text.replace(word, "0.1-0.2 ").encode())  # Two numbers without a blank between them.
+
+
+def with_iblank(values, *, three):
+    """The swan with a plane of iblank."""
+    return plot3d_text(three=three) + " ".join(map(str, values)).encode()
+
+
+@pytest.mark.parametrize("three", [True, False])
+@pytest.mark.parametrize("values", [[1] * 20, [1] * 17 + [2, -3, 1]], ids=["fields", "walls and other grids"])
+def test_an_iblank_without_holes_is_ignored_which_is_said(three, values, capsys):
+    assert plot3d.decode(with_iblank(values, three=three)) == SWAN
+    assert "the file's iblank is ignored" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("three", [True, False])
+def test_an_iblank_with_holes_is_refused(three):
+    with pytest.raises(GridgenError, match=r"iblank marks 2 nodes as holes \(0\), the first of which is node \(1, 1\)"):
+        plot3d.decode(with_iblank([1] * 6 + [0, 1, 0] + [1] * 11, three=three))
+    with pytest.raises(GridgenError, match="plane of iblank would fit its header, but its numbers are not whole"):
+        plot3d.decode(with_iblank([1] * 19 + [0.5], three=three))
+
+
+def test_repeat_counts_are_bounded_by_the_header_before_anything_is_allocated():
+    """A few bytes could announce gigabytes, in agreement with the header or not."""
+    big = 10**11
+    for data, message in (
+        (f"1\n3 3 1\n{f'{big}*0 ' * 40}", "its 4000000000004 numbers, repeat counts included, do not fit"),
+        (f"1\n{10**6} {10**5} 1\n{f'{big}*0 ' * 3}", "no grid can be packed so tightly"),
+        (f"1\n{10**6} {10**12} 1\n{f'{10**12 - 1}*0 ' * 3}", "do not fit its header"),
+        ("3 3 1 9999999999999*0", "the repeat count in '9999999999999.0' is not a number of at most 12 digits"),
+    ):
+        with pytest.raises(GridgenError, match=message):
+            plot3d.decode(data.encode())
+
+
+@pytest.mark.parametrize(
     ("data", "message"),
     [
         (b"1\n3 3 2\n" + b"0 " * 54, "volume with 2 k planes"),
@@ -314,6 +406,11 @@ def test_fortran_shorthands():
         (b"3 3\n" + b"0 " * 17, "do not fit its header"),
         (b"-3 -3\n" + b"0 " * 18, "do not fit its header"),
         (b"3 3\n" + b"0 " * 17 + b"x", "could not convert"),
+        (b"3 3\n" + b"0 " * 17 + b"1_0", "'1_0' is not a number"),
+        (b"3 3\n" + b"0 " * 17 + b"x" * 10**5, r"could not convert.*\.\.\. \(\d+ characters\); expected"),
+        (b"3 3 1\n" + b"0 " * 26 + b"1e999", r"every z must be finite, but that of node \(2, 2\) is inf"),
+        (b"3 3 1\n" + b"1e999 " * 27, r"every node must be finite, but node \(0, 0\) is \(inf, inf\)"),
+        (b"3 3 1\n" + b"0 " * 18 + b"1e308 -1e308 0 0 0 0 0 0 0", "its z varies"),
         (b"\x05\x00\x00\x80\x04", "may be binary"),
     ],
 )
@@ -341,6 +438,8 @@ def test_the_csv_text_and_rows_in_any_order():
         ("1,0,0.25,0\n", "1.5,0,0.25,0\n", "whole numbers from 0"),
         ("1,0,0.25,0\n", "1,0,0.25\n", "four numbers a row"),
         ("1,0,0.25,0\n", "1,0,a,0\n", "four numbers a row"),
+        ("1,0,0.25,0\n", "1,0,1_0,0\n", "four numbers a row"),
+        ("1,0,0.25,0\n", "1e300,0,0.25,0\n", "but it has 20 rows"),
         ("1,0,0.25,0\n", "1,0,nan,0\n", r"node \(1, 0\) is \(nan"),
     ],
 )
@@ -351,7 +450,7 @@ def test_a_csv_file_with_a_fault(old, new, message):
         tables.decode_csv(text.replace(old, new).encode())
 
 
-def npz(**arrays):
+def archive(**arrays):
     """A NumPy archive as bytes."""
     stream = io.BytesIO()
     np.savez_compressed(stream, **arrays)
@@ -359,15 +458,59 @@ def npz(**arrays):
 
 
 def test_npz_of_other_writers():
-    assert tables.decode_npz(npz(xy=SWAN.xy, note=np.array("more"))) == SWAN
+    assert npz.decode(archive(xy=SWAN.xy, note=np.array("more"))) == SWAN
     with pytest.raises(GridgenError, match="it holds points, z; expected the array 'xy'"):
-        tables.decode_npz(npz(points=SWAN.xy, z=SWAN.x))
+        npz.decode(archive(points=SWAN.xy, z=SWAN.x))
     with pytest.raises(GridgenError, match=r"no whole NumPy archive.*allow_pickle"):
-        tables.decode_npz(npz(xy=np.array([{}, {}], dtype=object)))
+        npz.decode(archive(xy=np.array([{}, {}], dtype=object)))
     stream = io.BytesIO()
     np.save(stream, SWAN.xy)
     with pytest.raises(GridgenError, match="no whole NumPy archive"):
-        tables.decode_npz(stream.getvalue())
+        npz.decode(stream.getvalue())
+
+
+def test_npz_with_x_and_y():
+    assert npz.decode(archive(x=SWAN.x, y=np.asfortranarray(SWAN.y))) == SWAN
+    assert npz.decode(archive(x=SWAN.x, y=SWAN.y, xy=SWAN.xy)) == SWAN
+    with pytest.raises(GridgenError, match="one shape"):
+        npz.decode(archive(x=SWAN.x, y=SWAN.y[1:]))
+    with pytest.raises(GridgenError, match=r"it holds x; expected the array 'xy' .*, or 'x' and 'y'"):
+        npz.decode(archive(x=SWAN.x))
+    with pytest.raises(GridgenError, match="holds numbers of type complex128, not real numbers"):
+        npz.decode(archive(xy=SWAN.xy * 1j))
+
+
+def npz_that_announces(shape, size=None, head=b""):
+    """An archive of zeros: a header, and a size of its own."""
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": shape})
+    stream = io.BytesIO()
+    with (
+        zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file,
+        file.open("xy.npy", "w") as member,
+    ):
+        member.write(head or header.getvalue())
+        for _ in range((8 * math.prod(shape) if size is None else size) >> 24):
+            member.write(bytes(1 << 24))
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (lambda: npz_that_announces((1 << 12, 1 << 12, 3)), "no grid can be packed so tightly"),
+        (lambda: npz_that_announces((1 << 20, 1 << 20, 2), 0), "bytes are announced for"),
+        (lambda: npz_that_announces((3, 3, 2), 1 << 26), "bytes are announced for"),
+        (lambda: npz_that_announces((), 1 << 26, b"\x93NUMPY\x02\x00\xff\xff\xff\x7f"), "no whole NumPy archive"),
+    ],
+)
+def test_an_archive_is_not_unpacked_before_its_size_is_known(data, message):
+    packed = data()
+    tracemalloc.start()
+    with pytest.raises(GridgenError, match=message):
+        npz.decode(packed)
+    assert tracemalloc.get_traced_memory()[1] < 1 << 23
+    tracemalloc.stop()
 
 
 def test_vtk_reads_what_is_written(tmp_path):

@@ -1,0 +1,84 @@
+"""NumPy archives (.npz): the array xy, or the arrays x and y. Nothing is unpacked before its size is known."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+import zlib
+from typing import IO
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import GridgenError, shortened
+from ..grids.grid import Grid
+from .checks import check_packing
+
+_EXPECTED = "expected the array 'xy' (ni, nj, 2), or 'x' and 'y' (ni, nj)"
+#: NumPy writes the header of an array into so many bytes at most; a damaged one may announce any number.
+_HEADER = 1 << 14
+#: What a damaged archive raises in the libraries that read it.
+_FAULTS = (
+    ValueError, TypeError, OSError, EOFError, KeyError, MemoryError, NotImplementedError, RuntimeError, SyntaxError,
+    zlib.error, zipfile.BadZipFile,
+)  # fmt: skip
+
+
+def encode(grid: Grid) -> bytes:
+    """Return the grid as a NumPy archive with the one array ``xy``, shape (ni, nj, 2)."""
+    stream = io.BytesIO()
+    np.savez(stream, xy=grid.xy)
+    return stream.getvalue()
+
+
+def decode(data: bytes) -> Grid:
+    """Return the grid of a NumPy archive with the array ``xy``, shape (ni, nj, 2), or ``x`` and ``y``, (ni, nj).
+
+    Raises:
+        GridgenError: if the archive is damaged, holds Python objects, has no such arrays, or is packed so tightly that
+            it can hold no grid.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            names = {name.removesuffix(".npy"): name for name in archive.namelist()}
+            if "xy" in names:
+                return Grid(_array(archive, names["xy"]))
+            if {"x", "y"} <= names.keys():
+                return Grid.from_planes(_array(archive, names["x"]), _array(archive, names["y"]))
+    except GridgenError:
+        raise
+    except _FAULTS as error:
+        raise GridgenError(
+            f"it is no whole NumPy archive ({shortened(error)}); write it again with np.savez(path, xy=xy)"
+        ) from error
+    raise GridgenError(f"it holds {shortened(', '.join(names)) or 'nothing'}; {_EXPECTED}")
+
+
+def _array(archive: zipfile.ZipFile, name: str) -> Array:
+    """Return one array of an archive, whose header must tell what the archive announces."""
+    member = archive.getinfo(name)
+    with archive.open(member) as stream:
+        head = io.BytesIO(stream.read(_HEADER))
+    shape, kind = _announced(head)
+    count = int(np.prod(shape, dtype=object))  # Python's whole numbers do not overflow.
+    size = head.tell() + count * kind.itemsize
+    if kind.kind not in "biuf":
+        what = "Python objects, which are not unpickled (allow_pickle)" if kind.hasobject else f"numbers of type {kind}"
+        raise ValueError(f"'{name}' holds {what}, not real numbers")
+    if member.file_size != size:
+        raise ValueError(f"{member.file_size} bytes are announced for {shape} numbers of type {kind}")
+    check_packing(member.compress_size, size, f"the array '{name.removesuffix('.npy')}'")
+    with archive.open(member) as stream:
+        # Objects stay forbidden: unpickling a file from elsewhere would run its code.
+        array: Array = np.lib.format.read_array(stream, allow_pickle=False)
+        if stream.read(1):  # At its end the checksum is verified.
+            raise ValueError("it has more bytes than announced")
+    return array
+
+
+def _announced(head: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[np.generic]]:
+    """Return the shape and the type that the header of an array announces."""
+    version = np.lib.format.read_magic(head)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, kind = read(head)
+    return shape, kind
