@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -110,6 +111,15 @@ def test_every_package_has_its_place():
     assert {path.stem for path in PACKAGE.glob("*.py")} == SHARED | FACE
     for package, inner in INNER_ORDER.items():
         assert {path.parent.name for path in (PACKAGE / package).glob("*/__init__.py")} == {*inner}
+
+
+def test_the_page_on_the_architecture_has_every_package_in_its_order():
+    page = (PACKAGE.parent / "docs" / "explanations" / "architecture.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)`( \(ground\))? \|", page, re.MULTILINE)
+    assert [name for name, _ in rows] == [*ORDER]
+    assert {name for name, ground in rows if ground} == GROUND
+    for names in (SHARED, *INNER_ORDER.values()):
+        assert all(f"`{name}`" in page for name in names)
 
 
 @pytest.mark.parametrize("path", FILES, ids=file_name)
