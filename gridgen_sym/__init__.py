@@ -20,6 +20,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from . import startup  # noqa: F401 - before anything heavy: it listens to Ctrl-C
+
+# isort: split
+
 # Two functions have the names of their packages: loaded first, they stand here and not the packages.
 from .certificates import Certificate as Certificate
 from .certificates import certificates as certificates

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import subprocess
 import sys
@@ -84,6 +85,14 @@ def test_size_is_cells_and_40_by_default():
     assert gg.read("b.xyz").shape == (8, 6)
 
 
+@pytest.mark.parametrize(
+    "size", [["--size", "7x5"], ["--size=7x5"], ["--size", "7×5"], ["--size", "7,5"], ["--size=7", "5"]]
+)
+def test_a_size_may_be_one_word(size):
+    assert "start: wavy, 7 x 5 cells" in run("grid", *size, "-f", "length", "wavy")
+    assert "start: wavy, 7 x 5 cells" in run("grid", "-f", "length", *size, "--", "wavy")
+
+
 def test_without_files_it_only_reports(tmp_path):
     assert "Jacobian" in run("grid", "chevron", "-f", "winslow", "--size", 8, 8)
     assert not list(tmp_path.iterdir())
@@ -150,7 +159,7 @@ def test_memory_that_does_not_suffice_is_told():
 
 BAD = {
     "an unknown domain": (["swann", "-f", "winslow"], "did you mean 'swan'"),
-    "an unknown functional": (["swan", "-f", "winslo"], "Did you mean 'winslow'"),
+    "a misspelled functional": (["swan", "-f", "winslo"], "Did you mean 'winslow'"),
     "a missing file": (["nowhere.csv", "-f", "winslow"], "there is no such file"),
     "a missing grid": (["nowhere.vts", "-f", "winslow"], "there is no such file"),
     "an unknown suffix": (["swan", "-f", "winslow", "-o", "a.stl"], "its suffix must be one of"),
@@ -167,13 +176,26 @@ BAD = {
     "a bad tolerance": (["swan", "-f", "area", "--tolerance", "2"], "between 0 and 1"),
     "sums without corners": (["swan", "-f", "area", "--solver", "relaxation", "--interior-only"], "--interior-only"),
     "no functional": (["swan"], "Missing option"),
+    "a negative weight": (["swan", "-f", "area", "--weight", "x-9"], "must not be negative"),
+    "a bad time limit": (["swan", "-f", "area", "--time-limit", "-1"], "positive number of seconds"),
+    "an underscore in a size": (["swan", "-f", "area", "--size", "1_0", "9"], "'1_0' is not a whole number"),
+    "an underscore in a number": (["swan", "-f", "area", "--tolerance", "1e-0_1"], "'1e-0_1' is not a number"),
+    "an underscore in a parameter": (["horseshoe_map:R=4_5", "-f", "area"], "written NAME=NUMBER"),
+    "a size of three": (["swan", "-f", "area", "--size", "4x4x4", "4"], "'4x4x4' is not a whole number"),
+    "half a size": (["swan", "-f", "area", "--size", "4x", "4"], "'4x' is not a whole number"),
+    "a long number": (["swan", "-f", "area", "--tolerance", "1" + "x" * 10**5], "characters) is not a number"),
+    "a long parameter": (["swan", "-f", "area", "--parameter", "k" * 10**5], "characters)"),
+    "a long name": (["swan", "-f", "k" * 10**5], "characters)"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_bad_input_exits_with_2_and_says_what_to_do(case):
     arguments, message = BAD[case]
-    assert message in run("grid", *arguments, code=2)
+    said = run("grid", *arguments, code=2)
+    assert message in said
+    assert "start:" not in said  # No work begins before it is known what to do.
+    assert len(said) < 1500
 
 
 def test_a_picture_needs_matplotlib(monkeypatch):
@@ -211,6 +233,30 @@ def test_an_error_of_the_system_exits_with_2(monkeypatch):
     assert "No space left on device" in run("grid", "swan", "-f", "winslow", code=2)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
+@pytest.mark.parametrize("module", ["gridgen_sym.errors", "numpy", "click.core", "gridgen_sym.cli.base"])
+def test_an_interrupt_while_the_command_line_loads_exits_with_130_and_no_traceback(module, tmp_path):
+    """Ctrl-C comes when a module has just been found, as a hook of the import system sees it."""
+    hook = f"""
+import os, signal, sys
+class Interrupt:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupt())
+signal.signal(signal.SIGINT, signal.default_int_handler)
+"""
+    (tmp_path / "sitecustomize.py").write_text(hook)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
+    command = [sys.executable, "-m", "gridgen_sym", "domains"]
+    told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=60)
+    assert (told.returncode, told.stdout, told.stderr) == (130, "", "\ninterrupted\n")
+    # A library leaves signals alone.
+    command = [sys.executable, "-c", "import gridgen_sym.cli"]
+    told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=60)
+    assert "KeyboardInterrupt" in told.stderr
+
+
 # ---- quality, domains ----
 
 
@@ -220,6 +266,14 @@ def test_quality_exits_with_1_where_a_cell_is_folded():
     assert "57 of 1600 cells are folded" in run("quality", "folded.vts", code=1)
     assert "valid: no folded cell among 16" in run("quality", "square.vts")
     assert "there is no such file" in run("quality", "no.vts", code=2)
+
+
+@pytest.mark.parametrize("suffix", [".vts", ".xyz", ".csv", ".npz", ".cgns"])
+def test_what_grid_writes_is_measured_by_quality(suffix):
+    if suffix == ".cgns":
+        pytest.importorskip("h5py")
+    run("grid", "square", "-f", "winslow", "--size", "4x5", "-o", f"square{suffix}")
+    assert "valid: no folded cell among 20" in run("quality", f"square{suffix}")
 
 
 def test_domains_lists_every_domain():
@@ -236,6 +290,34 @@ def test_functionals_lists_every_functional_with_its_classification(mine):
     assert set(gg.functionals()) <= set(lines)
     assert "linear, uncoupled, elliptic" in lines["length"]
     assert "k=0.1" in lines["smooth"]
+    assert "quasilinear, coupled, elliptic        yes" in lines["winslow"]
+
+
+def test_functionals_proves_nothing_and_is_quick(monkeypatch):
+    """Proofs take seconds for each functional: they belong to `derive`."""
+    classification = importlib.import_module("gridgen_sym.symbolic.classify.classification")
+    for name in ("ellipticity", "lower_bound", "corner_model"):
+        monkeypatch.setattr(classification, name, None)
+    assert "changing type" in run("functionals")
+
+
+def test_info_says_what_is_wrong_with_the_compiler_and_the_cache(monkeypatch, tmp_path):
+    from gridgen_sym.runtime import cache_folder
+
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache").chmod(0o777)
+    monkeypatch.setenv("CC", "false")
+    monkeypatch.setenv("GRIDGEN_SYM_CACHE", str(tmp_path / "cache"))
+    find_compiler.cache_clear()
+    cache_folder.cache_clear()
+    try:
+        said = run("info")
+    finally:
+        find_compiler.cache_clear()
+        cache_folder.cache_clear()
+    assert "CC is 'false', but" in said
+    if os.name == "posix":
+        assert "can be written by other users (mode 0777)" in said
 
 
 def test_derive_prints_text_and_latex():

@@ -10,8 +10,9 @@ import click
 
 from .base import functionals_option
 from .field import field_of
-from .grids import certify_and_draw, check_outputs, count_of, folds_of, say
-from .start import assignments, start_grid, start_options
+from .grids import Announcement, certify_and_draw, check_outputs, count_of, folds_of, say
+from .start import parameters_of, start_grid, start_options
+from .types import SizedCommand, integer, number
 
 if TYPE_CHECKING:
     from ..adaptation import AdaptResult
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchical_error", "values")
 
 
-@click.command()
+@click.command(cls=SizedCommand)
 @click.argument("input")
 @click.option("--to", required=True, metavar="FIELD", help="A formula in x and y, or a .npz or .csv file; see above.")
 @click.option(
@@ -29,9 +30,9 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
     show_default=True,
     help="What nodes are drawn to; 'values' takes FIELD for the density of nodes.",
 )
-@click.option("--share", type=float, help="Share of the nodes that features get.  [default: 0.75]")
-@click.option("--smoothing", type=int, help="Passes of the average of the density.  [default: 2]")
-@click.option("--steps", type=int, help="At most so many steps.  [default: 30]")
+@click.option("--share", type=number, help="Share of the nodes that features get.  [default: 0.75]")
+@click.option("--smoothing", type=integer, help="Passes of the average of the density.  [default: 2]")
+@click.option("--steps", type=integer, help="At most so many steps.  [default: 30]")
 @click.option(
     "--boundary",
     type=click.Choice(("straight", "all", "fixed")),
@@ -42,7 +43,7 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Of the functional. May be repeated."
 )
 @start_options
-@click.option("--time-limit", type=float, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
+@click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
 @click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
@@ -76,11 +77,12 @@ def adapt(
     chosen = Monitor(monitor, **knobs)  # type: ignore[arg-type]
     field = field_of(to, smooth=monitor != "values")
     boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "reorient")}
-    start = start_grid(input, **boundary)
-    say(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
     given = {key: value for key, value in options.items() if value is not None}
-    given["parameters"] = assignments(parameters, f"the functional {options['functional'] or 'area_winslow'!r}")
-    result = run(start, field, monitor=chosen, **given)
+    given["parameters"] = parameters_of(given.get("functional", "area_winslow"), parameters)
+    start = start_grid(input, **boundary)
+    begin = Announcement(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
+    result = run(start, field, monitor=chosen, callback=begin, **given)
+    begin()
     _report(result, quiet)
     if output:
         result.grid.write(output)

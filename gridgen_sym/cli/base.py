@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 import click
 
+from .. import startup
 from ..errors import GridgenError
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
@@ -33,6 +34,7 @@ class Program(click.Group):
 
     def make_context(self, *arguments: Any, **options: Any) -> click.Context:  # noqa: ANN401
         """Parse the group's own options, of which `--functionals` runs a file."""
+        startup.loaded()
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):  # A terminal without the signs of mathematics shows others.
                 stream.reconfigure(errors="replace")

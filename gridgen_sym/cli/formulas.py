@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @click.command()
 @functionals_option
 def functionals() -> None:
-    """List the functionals with their classification, which is derived now."""
+    """List the functionals with the type of their equations, as random points show it; 'derive' proves more."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
@@ -29,7 +29,7 @@ def functionals() -> None:
 
     head = ("name", "density", "equations", "barrier", "parameters", "what it asks for")
     table = Table(*head, box=box.SIMPLE_HEAD, pad_edge=False)
-    with Console(stderr=True).status("classifying ..."):
+    with Console(stderr=True).status("deriving the equations ..."):
         for name in names():
             table.add_row(*_row(functional(name)))
     # Where nobody looks at a terminal, no line is cut to the width of one.
@@ -38,15 +38,14 @@ def functionals() -> None:
 
 def _row(definition: Functional) -> tuple[str, ...]:
     """Return what the list says of one functional."""
-    from ..symbolic import classify
+    from ..symbolic import equation_words, has_barrier
 
-    kind = classify(definition)
     parameters = ", ".join(f"{name}={value:g}" for name, value in definition.parameters.items())
     return (
         definition.name,
         str(definition.expression()),
-        ", ".join(kind.words()),
-        "yes" if kind.barrier else "no",
+        ", ".join(equation_words(definition)),
+        "yes" if has_barrier(definition) else "no",
         parameters,
         definition.description,
     )

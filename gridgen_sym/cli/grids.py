@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import click
 
 from ..errors import GridgenError, MissingExtraError
 from .base import functionals_option
-from .start import assignments, start_grid, start_options
+from .start import parameters_of, start_grid, start_options
+from .types import SizedCommand, integer, number
 
 if TYPE_CHECKING:
     from ..fields import Weight
@@ -21,7 +23,7 @@ _PICTURES = (".png", ".svg", ".pdf")
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 
 
-@click.command()
+@click.command(cls=SizedCommand)
 @click.argument("input")
 @click.option("-f", "--functional", "name", required=True, metavar="NAME", help="See 'gridgen-sym functionals'.")
 @click.option(
@@ -44,9 +46,9 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option(
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter. May be repeated."
 )
-@click.option("--tolerance", type=float, help="Factor by which the gradient or the residual must fall.")
-@click.option("--max-iterations", type=int, help="Newton steps, or sweeps.")
-@click.option("--time-limit", type=float, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
+@click.option("--tolerance", type=number, help="Factor by which the gradient or the residual must fall.")
+@click.option("--max-iterations", type=integer, help="Newton steps, or sweeps.")
+@click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
 @click.option("--keep-valid/--no-keep-valid", default=None, help="Whether a valid grid may not fold on the way.")
 @click.option("--interior-only", is_flag=True, help="Sum over corners at inner nodes only (newton and local).")
 @click.option("--backend", type=click.Choice(("c", "numpy")), help="Compiled or not.  [default: c if possible]")
@@ -59,18 +61,17 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     with an outline (points x,y and '# corners: ...'), or a grid file, which is the start. Exits with 1 if the result
     has folded cells, and after Ctrl-C, which writes the best grid so far, with 130.
     """
-    from ..functionals import functional
     from ..solvers.run.status import StopReason
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
-    functional(name)
     boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "reorient")}
     solve = _solver(name, quiet, **options)
     check_outputs(output, plot)
     start = start_grid(input, **boundary)
-    say(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
-    result: Result = solve(start)
+    begin = Announcement(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
+    result: Result = solve(start, callback=begin)
+    begin()
     _report(result, quiet)
     if output:
         result.grid.write(output)
@@ -88,17 +89,17 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
 
     given = {key: options[key] for key in ("tolerance", "max_iterations", "time_limit", "keep_valid", "backend")}
     given = {key: value for key, value in given.items() if value is not None}
-    given["parameters"] = assignments(options["parameters"], f"the functional {name!r}")
+    given["parameters"] = parameters_of(name, options["parameters"])
     given["weight"] = _weight(options["weight"], options["weight_mode"], options["allow_negative_weight"])
     if quiet:
         given["progress"] = False
     if solver in ("newton", "local"):
-        return lambda start: optimize(start, name, solver, interior_only=interior_only, **given)  # type: ignore[arg-type]
+        method = cast("Literal['newton', 'local']", solver)
+        return partial(optimize, functional=name, method=method, interior_only=interior_only, **given)
     if interior_only:
         raise GridgenError(f"--interior-only belongs to the discrete energy (newton, local), not to --solver {solver}")
-    return lambda start: solve_euler_lagrange(
-        start, name, "relaxation" if solver == "relaxation" else "newton", **given
-    )
+    way: Literal["newton", "relaxation"] = "relaxation" if solver == "relaxation" else "newton"
+    return partial(solve_euler_lagrange, functional=name, method=way, **given)
 
 
 def _weight(formula: str | None, mode: str | None, allow_negative: bool) -> Weight | None:
@@ -162,6 +163,20 @@ def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, resu
         else:
             plot_grid(made, plot, title=title)
         say(quiet, f"wrote {plot}")
+
+
+class Announcement:
+    """A line that is printed when the work begins: what cannot be used has been refused by then."""
+
+    def __init__(self, quiet: bool, text: str) -> None:
+        """Keep the line."""
+        self._quiet, self._text = quiet, text
+
+    def __call__(self, _: object = None) -> None:
+        """Print it, at the first step or after the work, but once."""
+        if self._text:
+            say(self._quiet, self._text)
+            self._text = ""
 
 
 def say(quiet: bool, text: str) -> None:

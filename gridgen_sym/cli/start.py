@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
+from ..parsing import number_in, whole_number_in
+from .types import integer
 
 if TYPE_CHECKING:
     from ..grids import Grid
@@ -17,7 +19,11 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 _DEFAULT_CELLS = (40, 40)
 _OPTIONS = (
     click.option(
-        "--size", type=int, nargs=2, metavar="NI NJ", help="Number of cells along xi and eta.  [default: 40 40]"
+        "--size",
+        type=integer,
+        nargs=2,
+        metavar="NI NJ",
+        help="Number of cells along xi and eta; also NIxNJ.  [default: 40 40]",
     ),
     click.option(
         "--corners", metavar="CORNERS", help="Of an outline: auto, or four indices of points such as '0,10,20,30'."
@@ -78,7 +84,7 @@ def start_grid(
     if is_file:
         return _grid_file(source, size, reorient)
     key, _, rest = source.partition(":")
-    return domain(key, ni, nj, **assignments(rest.split(",") if rest else [], f"the domain {key!r}"))
+    return domain(key, ni, nj, **assignments(rest.split(",") if rest else [], f"the domain {quoted(key)}"))
 
 
 def assignments(texts: list[str] | tuple[str, ...], of: str) -> dict[str, float]:
@@ -89,10 +95,22 @@ def assignments(texts: list[str] | tuple[str, ...], of: str) -> dict[str, float]
         try:
             if not (name and equals):
                 raise ValueError
-            values[name.strip()] = float(value)
+            values[name.strip()] = number_in(value)
         except ValueError:
-            raise GridgenError(f"a parameter of {of} is written NAME=NUMBER, such as k=0.5; came {text!r}") from None
+            raise GridgenError(
+                f"a parameter of {of} is written NAME=NUMBER, such as k=0.5; came {quoted(text)}"
+            ) from None
     return values
+
+
+def parameters_of(name: str, texts: tuple[str, ...]) -> dict[str, float]:
+    """Return the values of a functional's parameters from texts such as `k=0.5`, once it has accepted them."""
+    from ..functionals import functional
+
+    definition = functional(name)
+    given = assignments(texts, f"the functional {name!r}")
+    definition.values(given)
+    return given
 
 
 def _has_nodes(path: str) -> bool:
@@ -114,11 +132,11 @@ def _outline_grid(path: str, ni: int, nj: int, corners: str | None, sampling: st
     chosen: Any = corners
     if corners is not None and corners != "auto":
         try:
-            chosen = [int(word) for word in corners.replace(",", " ").split()]
+            chosen = [whole_number_in(word) for word in corners.replace(",", " ").split()]
         except ValueError:
             chosen = []
         if len(chosen) != 4:
-            raise GridgenError(f"--corners is auto or four whole numbers, such as '0,10,20,30'; came {corners!r}")
+            raise GridgenError(f"--corners is auto or four whole numbers, such as '0,10,20,30'; came {quoted(corners)}")
     outline = Outline.read(path, corners=chosen, reorient=reorient)
     # Corners that were chosen by number are kept, others may be moved.
     wanted: Any = chosen if chosen in (None, "auto") else outline.corners

@@ -5,10 +5,18 @@ from __future__ import annotations
 import importlib.metadata
 import os
 import platform
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from ..errors import GridgenError
+
+if TYPE_CHECKING:
+    from ..runtime.toolchain import Compiler
+
+_Found = TypeVar("_Found")
 _PACKAGES = ("numpy", "scipy", "sympy", "matplotlib")
 
 
@@ -19,16 +27,16 @@ def info() -> None:
     from ..runtime import cache_folder, find_compiler, thread_count
     from ..version import __version__
 
-    compiler = find_compiler()
     threads = thread_count()
-    folder = cache_folder()
+    compiler = _found(find_compiler)
+    folder = _found(cache_folder)
     rows = [
         ("gridgen_sym", f"{__version__}, in {Path(__file__).parent.parent}"),
-        ("backend", _backend(compiler is not None)),
-        ("compiler", f"{compiler.path}: {compiler.version}" if compiler else "none found (CC, cc, gcc, clang)"),
-        ("OpenMP", "yes" if compiler and compiler.openmp else "no"),
+        ("backend", _backend(compiler)),
+        ("compiler", _compiler(compiler)),
+        ("OpenMP", "yes" if compiler and not isinstance(compiler, GridgenError) and compiler.openmp else "no"),
         ("threads", f"{threads} ({'OMP_NUM_THREADS' if os.environ.get('OMP_NUM_THREADS') else 'processors'})"),
-        ("cache", f"{folder} ({_size(folder)})"),
+        ("cache", f"{folder} ({_size(folder)})" if isinstance(folder, Path) else str(folder)),
         ("generated", str(resource_folder("generated"))),
         ("python", f"{platform.python_version()} on {platform.system()} {platform.machine()}"),
         *((name, _version(name)) for name in _PACKAGES),
@@ -37,14 +45,30 @@ def info() -> None:
         click.echo(f"{label:<12}{text}")
 
 
-def _backend(has_compiler: bool) -> str:
+def _found(search: Callable[[], _Found]) -> _Found | GridgenError:
+    """Return what a search finds, or why it cannot be used: that is what one wants to know here."""
+    try:
+        return search()
+    except GridgenError as error:
+        return error
+
+
+def _compiler(compiler: Compiler | GridgenError | None) -> str:
+    if isinstance(compiler, GridgenError):
+        return str(compiler)
+    return f"{compiler.words}: {compiler.version}" if compiler else "none found (CC, cc, gcc, clang)"
+
+
+def _backend(compiler: Compiler | GridgenError | None) -> str:
     """Return the name of the backend in use, and why it is that one."""
     from ..runtime import choose_backend
 
     forced = os.environ.get("GRIDGEN_SYM_BACKEND")
+    if isinstance(compiler, GridgenError) and forced != "numpy":
+        return "none (see the next line)"
     if forced:
         return f"{choose_backend().name} (GRIDGEN_SYM_BACKEND)"
-    return "c (a compiler was found)" if has_compiler else "numpy (no C compiler was found)"
+    return "c (a compiler was found)" if compiler else "numpy (no C compiler was found)"
 
 
 def _size(folder: Path) -> str:

@@ -7,6 +7,7 @@ the printed equations of the paper. Each imports only what stands before it in t
 
 from .classify import Classification as Classification
 from .classify import classify as classify
+from .classify import equation_words as equation_words
 from .classify.ellipticity import Ellipticity as Ellipticity
 from .classify.equidistribution import Equidistribution as Equidistribution
 from .classify.equidistribution import equidistribution as equidistribution

@@ -8,7 +8,7 @@ import sympy
 from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.functionals.metric import symbol
-from gridgen_sym.symbolic import classify
+from gridgen_sym.symbolic import classify, equation_words
 from gridgen_sym.symbolic.classify.classification import equation_type, is_null_lagrangian
 from gridgen_sym.symbolic.classify.invariance import is_rotation_invariant
 from gridgen_sym.symbolic.classify.principal_symbol import is_large, k1, k2, principal_symbol
@@ -29,6 +29,11 @@ KNOWN = {
     "modified_liao": (False, True, "elliptic", "proved", 0, 4, True),
     "area_winslow": (False, True, "elliptic", "proved", None, 0, True),
 }
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_the_words_of_the_equations_are_those_of_the_classification(name):
+    assert equation_words(functional(name)) == classify(functional(name)).words()
 
 
 @pytest.mark.parametrize("name", KNOWN)

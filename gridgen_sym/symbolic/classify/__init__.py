@@ -2,3 +2,4 @@
 
 from .classification import Classification as Classification
 from .classification import classify as classify
+from .classification import equation_words as equation_words

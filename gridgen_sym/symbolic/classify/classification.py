@@ -72,11 +72,19 @@ class Classification:
 
     def words(self) -> tuple[str, ...]:
         """Return the classification in the words of the field."""
-        return (
-            "linear" if self.linear else "quasilinear",
-            "coupled" if self.coupled else "uncoupled",
-            self.ellipticity.type,
-        )
+        return _words(linear=self.linear, coupled=self.coupled, kind=self.ellipticity.type)
+
+
+def equation_words(functional: Functional) -> tuple[str, ...]:
+    """Return the same words as `Classification.words`, from the equations alone: quickly, since nothing is proved."""
+    defaults = _defaults(functional)
+    matrix = principal_symbol(variant_density(functional, "plain").subs(defaults))
+    rest = _rest(functional, "plain", defaults)
+    return _words(linear=_is_linear(matrix, rest), coupled=_is_coupled(matrix, rest), kind=equation_type(functional))
+
+
+def _words(*, linear: bool, coupled: bool, kind: Type) -> tuple[str, ...]:
+    return "linear" if linear else "quasilinear", "coupled" if coupled else "uncoupled", kind
 
 
 def equation_type(functional: Functional) -> Type:
