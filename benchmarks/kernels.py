@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, dataclass
 from pathlib import Path
@@ -14,6 +13,8 @@ from measure import COLORS, MARKERS, Table, fastest, start_grid, threads
 
 import gridgen_sym as gg
 from gridgen_sym.arrays import Array
+from gridgen_sym.codegen.backend import find_backend
+from gridgen_sym.codegen.facts import KernelFacts
 from gridgen_sym.runtime import KernelSet, kernels
 from gridgen_sym.runtime.sources import find_sources
 
@@ -78,10 +79,9 @@ def calls(kernel_set: KernelSet, coordinates: Array) -> dict[str, Callable[[], o
 
 
 def divisions_of(functional: gg.Functional) -> dict[str, int]:
-    """Return the number of divisions of each derived program, as the head of the generated file tells it."""
-    text: str = find_sources(functional, "plain")[0].read_text(encoding="utf-8")
-    found = re.findall(r"^ \* (\w+) +\d+ operations \(.* (\d+) divisions", text, re.M)
-    return {name: int(count) for name, count in found}
+    """Return the number of divisions of each derived program, from the facts of the kernel."""
+    facts = KernelFacts.from_json(find_sources(functional, "plain", find_backend("c"))[0].read_text(encoding="utf-8"))
+    return {name: count["divisions"] for name, count in facts.operations.items()}
 
 
 def bound(work: Work, kernel_set: KernelSet, divisions: dict[str, int], limits: Limits) -> tuple[float, str]:

@@ -57,6 +57,8 @@ if TYPE_CHECKING:
     from .boundary import Outline as Outline
     from .boundary import domain as domain
     from .boundary import domain_names as domain_names
+    from .codegen.backend import Backend as Backend
+    from .codegen.backend import register_backend as register_backend
     from .fields import SampledField as SampledField
     from .fields import Weight as Weight
     from .fields import raster_field as raster_field
@@ -87,6 +89,7 @@ _PACKAGES = {
         "interpolation_error recover_gradient recover_hessian recovery_error richardson_error transfer"
     ),
     "boundary": "CornerChoice Outline domain domain_names",
+    "codegen.backend": "Backend register_backend",
     "fields": "SampledField Weight raster_field scattered_field",
     "grids": "Grid Quality corner_jacobians quality transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",

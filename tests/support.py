@@ -12,13 +12,13 @@ import mpmath
 import numpy as np
 import sympy
 
+from gridgen_sym.backends.numpy.loader import load_module
+from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen.generate import committed_variants
 from gridgen_sym.codegen.kernel import Kernel, Program, reciprocal
 from gridgen_sym.codegen.programs import kernel
-from gridgen_sym.codegen.render import render
 from gridgen_sym.functionals import Functional, functional, functionals, is_builtin
 from gridgen_sym.runtime import KernelSet, kernels
-from gridgen_sym.runtime.load import load_module
 
 BUILTIN = [name for name in functionals() if is_builtin(name)]
 #: Every functional in every variant whose kernels are committed.
@@ -48,10 +48,15 @@ def derived_kernel(name: str | Functional, variant: str) -> Kernel:
     return kernel(functional(name), variant)
 
 
+def rendered(name: str | Functional, variant: str, backend: str) -> str:
+    """Return the source of a kernel as it is printed now."""
+    return find_backend(backend).render(derived_kernel(name, variant))
+
+
 @cache
 def numpy_names(name: str | Functional, variant: str) -> dict[str, object]:
     """Return the names of the freshly rendered NumPy module."""
-    return load_module("rendered.py", render(derived_kernel(name, variant), "numpy").text)
+    return load_module("rendered.py", rendered(name, variant, "numpy"))
 
 
 def kernel_set(name: str | Functional, variant: str = "plain", backend: str = "numpy") -> KernelSet:

@@ -17,7 +17,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 LONGEST_FILE = 500
 #: A package imports only what stands before it, but for the packages on the ground, which import only each other.
 ORDER = (
-    *("functionals", "symbolic", "codegen", "runtime"),
+    *("functionals", "symbolic", "codegen", "runtime", "backends"),
     *("grids", "boundary", "certificates", "io", "fields", "plotting"),
     *("solvers", "adaptation", "selfcheck", "paper_examples", "documentation", "cli"),
 )
@@ -164,6 +164,21 @@ def test_a_wrong_import_is_objected_to(place, text, expected):
 )
 def test_a_wrong_import_within_a_package_is_objected_to(place, text, expected):
     assert inner_objections(ast.parse(text), PACKAGE / place) == expected
+
+
+def test_back_ends_are_found_by_name_and_not_imported():
+    """What is built in is no nearer than what a user adds; the site shows how each of them prints."""
+    users = {
+        package_of(path)
+        for path, tree in TREES.items()
+        if ["backends"] in [[*p[:1]] for p in imported_parts(tree, path)]
+    }
+    assert users - {"backends"} == {"documentation"}
+
+
+@pytest.mark.parametrize("name", ["c", "numpy"])
+def test_what_loads_kernels_loads_no_symbolic_package(name):
+    assert not modules_loaded_by(f"import gridgen_sym.backends.{name}.loader") & {*HEAVY}
 
 
 def module_of(path):

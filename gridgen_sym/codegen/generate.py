@@ -7,44 +7,51 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..atomic import write_bytes
-from ..functionals import functional, functionals, is_builtin
+from ..functionals import functional as find_functional
+from ..functionals import functionals, is_builtin
 from ..functionals.definition import Functional
 from ..resources import resource_folder
 from ..symbolic.coordinates import Variant, s
 from ..symbolic.derive.discrete import has_barrier
+from .backend import BUILTIN, find_backend
 from .kernel import Source
 from .programs import kernel
-from .render import LANGUAGES, render, render_document
+from .render import render_document, render_shared
 
+#: What is the same in all kernels of a language, written once.
+SHARED = ("c/common.h", "c/loops.h", "numpy/loops.py")
 #: Files below `generated/` that nothing generates.
 _KEPT = ("README.md",)
 
 
-def committed_variants(definition: Functional) -> tuple[Variant, ...]:
+def committed_variants(functional: Functional) -> tuple[Variant, ...]:
     """Return the variants whose kernels stand in `generated/`; others are generated when first used.
 
-    The weighted ones where the density itself names the weight, the regularised one where there is a barrier.
+    The weighted ones where the density itself names the weight, the regularized one where there is a barrier.
     """
-    weighted: tuple[Variant, ...] = ("frozen", "differentiated") if s in definition.expression().free_symbols else ()
-    regularized: tuple[Variant, ...] = ("regularized",) if has_barrier(definition) else ()
+    weighted: tuple[Variant, ...] = ("frozen", "differentiated") if s in functional.expression().free_symbols else ()
+    regularized: tuple[Variant, ...] = ("regularized",) if has_barrier(functional) else ()
     return ("plain", *weighted, *regularized)
 
 
-def sources(definition: Functional, variants: tuple[Variant, ...]) -> Iterator[Source]:
-    """Yield the sources of a functional's kernels in every language."""
+def sources(functional: Functional, variants: tuple[Variant, ...]) -> Iterator[Source]:
+    """Yield the facts and the sources of a functional's kernels, for every built-in back end."""
     for variant in variants:
-        derived = kernel(definition, variant)
-        for language in LANGUAGES:
-            yield render(derived, language)
+        derived = kernel(functional, variant)
+        name = derived.facts.name
+        yield Source(f"facts/{name}.json", derived.facts.to_json())
+        for backend in map(find_backend, BUILTIN):
+            yield Source(f"{backend.name}/{name}{backend.suffix}", backend.render(derived))
 
 
 def all_sources() -> Iterator[Source]:
-    """Yield every file of `generated/`: kernels of all built-in functionals, and their derived equations."""
+    """Yield every file of `generated/`: what kernels share, those of all built-in functionals, and their equations."""
+    yield from map(render_shared, SHARED)
     for name in functionals():
         if is_builtin(name):
-            definition = functional(name)
-            yield from sources(definition, committed_variants(definition))
-            yield render_document(definition)
+            functional = find_functional(name)
+            yield from sources(functional, committed_variants(functional))
+            yield render_document(functional)
 
 
 def write_generated(folder: Path | None = None) -> list[Path]:
@@ -85,7 +92,7 @@ def check_generated(folder: Path | None = None) -> str:
 def _stale(folder: Path, wanted: set[Path]) -> list[Path]:
     return [
         path
-        for language in (*LANGUAGES, "docs")
-        for path in sorted((folder / language).glob("*"))
+        for part in (*BUILTIN, "facts", "docs")
+        for path in sorted((folder / part).glob("*"))
         if path.is_file() and path not in wanted and path.name not in _KEPT
     ]

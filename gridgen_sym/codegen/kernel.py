@@ -17,7 +17,7 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 
 from ..errors import GridgenError
 from ..functionals.metric import sympy_functions
-from ..symbolic.coordinates import Variant
+from .facts import KernelFacts
 
 
 class reciprocal(sympy.Function):  # type: ignore[misc] # noqa: N801 - a SymPy function is named in lower case
@@ -68,30 +68,14 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """Everything that the templates need to print the kernels of one functional in one variant.
+    """Everything that a back end needs to print the kernels of one functional in one variant.
 
     Attributes:
-        name: prefix of the functions and name of the file, for example `winslow` or `area_frozen`.
-        functional: name of the functional.
-        variant: how the weight enters, or `regularized`.
-        density: the formula, as text, for the header.
-        digest: of the definition that everything was derived from.
-        barrier: whether the energy is infinite where J = 0.
-        equation_type: type of the Euler-Lagrange equations where J > 0: `elliptic`, or what they are instead.
-        null_lagrangian: whether the energy is the same for every grid with the same boundary.
-        polyconvex: whether the semidefinite Hessian is so by derivation; else its eigenvalues are clamped.
+        facts: what is known of it without its programs.
         programs: by name.
     """
 
-    name: str
-    functional: str
-    variant: Variant
-    density: str
-    digest: str
-    barrier: bool
-    equation_type: str
-    null_lagrangian: bool
-    polyconvex: bool
+    facts: KernelFacts
     programs: Mapping[str, Program]
 
 

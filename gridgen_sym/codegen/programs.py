@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 
 import sympy
@@ -28,6 +27,8 @@ from ..symbolic.coordinates import (
 )
 from ..symbolic.derive.continuous import EulerLagrange, euler_lagrange, residual_slopes
 from ..symbolic.derive.discrete import CornerModel, corner_model, has_barrier
+from .facts import KernelFacts, definition_digest, kernel_name
+from .interface import FUNCTIONS
 from .kernel import Kernel, Program
 from .lower import lower
 
@@ -46,33 +47,23 @@ def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
     programs = _corner_programs(model)
     if variant != "regularized":
         programs += _euler_lagrange_programs(euler_lagrange(functional, variant), model.parameters)
-    return Kernel(
+    named = {program.name: program for program in programs}
+    facts = KernelFacts(
         name=kernel_name(functional.name, variant),
         functional=functional.name,
         variant=variant,
         density=str(functional.expression()),
-        digest=digest(functional),
+        digest=definition_digest(functional),
+        parameters=tuple(symbol.name for symbol in model.parameters),
+        weight_planes=tuple(symbol.name for symbol in WEIGHT_PLANES[variant]),
         barrier=has_barrier(functional),
         equation_type=equation_type(functional),
         null_lagrangian=variant == "plain" and is_null_lagrangian(functional),
         polyconvex=model.splitting.holds,
-        programs={program.name: program for program in programs},
+        functions=tuple(name for name, signature in FUNCTIONS.items() if signature.program in named),
+        operations={name: dict(program.operations) for name, program in named.items()},
     )
-
-
-def kernel_name(functional: str, variant: Variant) -> str:
-    """Return the prefix of the functions of a functional's variant, and the name of its file."""
-    return functional if variant == "plain" else f"{functional}_{variant}"
-
-
-def digest(functional: Functional) -> str:
-    """Return 16 hexadecimal digits that change with the definition."""
-    definition = (
-        sympy.srepr(functional.expression()),
-        functional.corner_factor,
-        tuple(functional.parameters),
-    )
-    return hashlib.sha256(repr(definition).encode()).hexdigest()[:16]
+    return Kernel(facts, named)
 
 
 def _corner_programs(model: CornerModel) -> list[Program]:

@@ -11,20 +11,17 @@ from ..functionals.definition import Functional
 from ..resources import resource_folder
 from ..version import __version__
 from .kernel import Kernel, Program, Source
-from .printers import CPrinter, NumpyPrinter, Printer
-
-#: Language -> (entry template, path of the result, printer).
-LANGUAGES: dict[str, tuple[str, str, type[Printer]]] = {
-    "c": ("c/kernels.c.jinja", "c/{name}.c", CPrinter),
-    "numpy": ("numpy/kernels.py.jinja", "numpy/{name}.py", NumpyPrinter),
-}
+from .printer import Printer
 
 
-def render(kernel: Kernel, language: str) -> Source:
-    """Return the source file of a kernel in `"c"` or `"numpy"`."""
-    template, path, printer = LANGUAGES[language]
-    text = environment().get_template(template).render(template_variables(kernel, printer()))
-    return Source(path.format(name=kernel.name), text)
+def render_kernel(template: str, kernel: Kernel, printer: Printer) -> str:
+    """Return the source of a kernel, from a template and the printer of its language."""
+    return environment().get_template(template).render(template_variables(kernel, printer))
+
+
+def render_shared(path: str) -> Source:
+    """Return a file that all kernels of a language share, such as `c/common.h`, from the template of that name."""
+    return Source(path, environment().get_template(f"{path}.jinja").render(version=__version__))
 
 
 def render_page(template: str, **variables: object) -> str:
@@ -42,25 +39,17 @@ def render_document(functional: Functional) -> Source:
 
 
 def template_variables(kernel: Kernel, printer: Printer) -> dict[str, Any]:
-    """Return what every template is given, the same names for every language."""
+    """Return what the template of a kernel is given, the same names for every language."""
     return {
-        "kernel": kernel,
+        "facts": kernel.facts,
         "programs": {name: _printed(program, printer) for name, program in kernel.programs.items()},
-        "weight_planes": _weight_planes(kernel),
-        "euler_lagrange": "residual" in kernel.programs,
         "version": __version__,
     }
 
 
 def _printed(program: Program, printer: Printer) -> dict[str, Any]:
     lines = printer.program(program)
-    return {
-        "inputs": program.inputs,
-        "outputs": program.outputs,
-        "lines": lines,
-        "operations": program.operations,
-        "uses": _used_names(program),
-    }
+    return {"inputs": program.inputs, "outputs": program.outputs, "lines": lines, "uses": _used_names(program)}
 
 
 def _used_names(program: Program) -> frozenset[str]:
@@ -69,11 +58,6 @@ def _used_names(program: Program) -> frozenset[str]:
     if used & set(program.parameters):
         used.add("parameters")
     return frozenset(used)
-
-
-def _weight_planes(kernel: Kernel) -> tuple[str, ...]:
-    """Return the names of the planes of the weight array, in order."""
-    return tuple(name for name in kernel.programs["corner_energy"].inputs if name == "s" or name.startswith("s_"))
 
 
 @lru_cache(maxsize=1)

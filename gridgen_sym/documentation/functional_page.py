@@ -7,10 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..atomic import write_bytes
+from ..backends.c.printer import CPrinter
+from ..backends.numpy.printer import NumpyPrinter
+from ..codegen.backend import find_backend
 from ..codegen.kernel import Kernel
-from ..codegen.printers import CPrinter, NumpyPrinter, Printer
+from ..codegen.printer import Printer
 from ..codegen.programs import kernel
-from ..codegen.render import render, render_page
+from ..codegen.render import render_page
 from ..functionals import Functional
 from ..symbolic import Classification, classify
 from ..symbolic.report.latex import latex, latex_formulas
@@ -138,9 +141,9 @@ def _sources(derived: Kernel, folder: Path) -> Iterator[tuple[str, str, str, str
         ("NumPy", "python", "numpy", NumpyPrinter(), "{} = {}"),
     )
     for language, fence, key, printer, line in printers:
-        source = render(derived, key)
-        file = Path(source.path).name
-        write_if_changed(folder / file, source.text)
+        backend = find_backend(key)
+        file = f"{derived.facts.name}{backend.suffix}"
+        write_if_changed(folder / file, backend.render(derived))
         remark = "/* {} */" if key == "c" else "# {}"
         programs = [
             "\n".join([remark.format(name), *(line.format(*pair) for pair in printer.program(program))])

@@ -7,6 +7,8 @@ import platform
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
+from itertools import chain
 from pathlib import Path
 
 from ..errors import GridgenError
@@ -20,21 +22,24 @@ from .toolchain import find_compiler as find_compiler
 _COMPILE_SECONDS = 300
 #: Characters of the compiler's messages that are shown.
 _MESSAGES = 4000
+#: What a source includes besides the system's headers, by default.
+NO_HEADERS: Mapping[str, str] = {}
 _WITHOUT = "GRIDGEN_SYM_BACKEND=numpy works without a compiler."
 
 
-def open_library(name: str, source: str, part: str = "") -> ctypes.CDLL:
+def open_library(name: str, source: str, part: str = "", headers: Mapping[str, str] = NO_HEADERS) -> ctypes.CDLL:
     """Load the shared library of a C source, which is compiled now or found in the cache.
 
     Args:
         name: of the file, and what the user is told to wait for.
         source: the C source.
         part: what part of it this is, for the user.
+        headers: texts of the files that it may include, by name.
 
     Raises:
         GridgenError: as for `compile_library`; or if the system does not let the library be loaded.
     """
-    library = compile_library(name, source, part)
+    library = compile_library(name, source, part, headers)
     try:
         with threads_that_sleep():
             return ctypes.CDLL(str(library))
@@ -45,7 +50,7 @@ def open_library(name: str, source: str, part: str = "") -> ctypes.CDLL:
         ) from error
 
 
-def compile_library(name: str, source: str, part: str = "") -> Path:
+def compile_library(name: str, source: str, part: str = "", headers: Mapping[str, str] = NO_HEADERS) -> Path:
     """Return the shared library of a C source, compiled now or found in the cache; arguments as for `open_library`.
 
     Raises:
@@ -55,20 +60,21 @@ def compile_library(name: str, source: str, part: str = "") -> Path:
     if compiler is None:
         raise GridgenError("no C compiler was found: install one (cc, gcc or clang), set CC, or use the NumPy backend")
     placeholder = compiler.command(Path("source.c"), Path("library"))
-    stem = f"{name}-{cache.digest(source, *placeholder, compiler.version, _processor())}"
+    stem = f"{name}-{cache.digest(source, *chain(*headers.items()), *placeholder, compiler.version, _processor())}"
     library = cache.find(stem, ".so")
     if library is None:
         say(f"compiling the kernels of {name}{f': {part}' if part else ''} (once per machine) ...")
-        library = cache.keep(stem, ".so", _build(compiler, name, source))
+        library = cache.keep(stem, ".so", _build(compiler, name, source, headers))
     return library
 
 
-def _build(compiler: Compiler, name: str, source: str) -> bytes:
+def _build(compiler: Compiler, name: str, source: str, headers: Mapping[str, str]) -> bytes:
     """Return the content of a shared library."""
     try:
         with tempfile.TemporaryDirectory(prefix="gridgen_sym-build-") as folder:
             code, built = Path(folder) / f"{name}.c", Path(folder) / f"{name}.so"
-            code.write_text(source, encoding="utf-8")
+            for file, text in {code.name: source, **headers}.items():
+                (code.parent / file).write_text(text, encoding="utf-8")
             told = run(compiler.command(code, built), _COMPILE_SECONDS)
             _check(compiler, name, told)
             return built.read_bytes()

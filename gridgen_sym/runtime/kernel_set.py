@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array, Mask
 from ..errors import GridgenError
-from .load import Block
+from .block import Block
 from .threads import threads_for
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class KernelSet:
     Attributes:
         functional: its name.
         variant: how the weight enters, or `regularized`.
-        backend: `c` or `numpy`.
+        backend: name of what runs them.
         barrier: whether the energy is infinite where J = 0.
         equation_type: type of the Euler-Lagrange equations where J > 0, `elliptic` or what they are instead.
         null_lagrangian: whether the energy, over all corners, is the same for every grid with the same boundary.
@@ -221,7 +221,10 @@ class KernelSet:
                     f"{array.shape}, strides {array.strides}: use np.ascontiguousarray(array, dtype=...)"
                 )
         if name not in self._functions:
-            raise GridgenError(f"the variant {self.variant!r} of {self.functional!r} has no kernel {name}: use 'plain'")
+            raise GridgenError(
+                f"the variant {self.variant!r} of {self.functional!r} has no kernel {name} on the backend "
+                f"{self.backend!r}: use the variant 'plain', or another backend"
+            )
         block = Block(ni, nj, 0, ni, nj, ni * nj, int(interior_only), threads_for(ni * nj), *spacing)
         self._functions[name](block, coordinates, weight, self._parameters, *arguments)
 

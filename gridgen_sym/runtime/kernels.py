@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..codegen.backend import Function, find_backend
+from ..codegen.facts import KernelFacts
 from ..errors import GridgenError
 from ..functionals.definition import Functional
 from .backend import choose_backend
 from .kernel_set import KernelSet
-from .load import load_module
 from .sources import find_sources
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def kernels(
         functional: what to evaluate.
         variant: how the weight enters, or `regularized` (then `parameters` must have `epsilon`).
         parameters: values of the functional's parameters; defaults for those left out.
-        backend: `c` or `numpy`; by default GRIDGEN_SYM_BACKEND, else C where there is a compiler.
+        backend: `c`, `numpy` or the name of another; by default GRIDGEN_SYM_BACKEND, else C where there is a compiler.
 
     Raises:
         GridgenError: for unknown parameters or backends, or if the compiler rejects the kernels.
@@ -41,32 +42,30 @@ def kernels(
     given = dict(parameters or {})
     if variant == "regularized" and "epsilon" not in given:
         raise GridgenError(
-            f"the regularised barrier of {functional.name!r} needs the parameter epsilon, a small Jacobian"
+            f"the regularized barrier of {functional.name!r} needs the parameter epsilon, a small Jacobian"
         )
     extra = [given.pop("epsilon")] if variant == "regularized" else []
     values = np.array([*functional.values(given).values(), *extra], dtype=float)
     chosen = choose_backend(backend)
-    module, functions = _load(functional, variant, chosen.name)
+    facts, functions = _load(functional, variant, chosen.name)
     return KernelSet(
         functional=functional.name,
         variant=variant,
         backend=chosen.name,
-        barrier=module["BARRIER"],
-        equation_type=module["EQUATION_TYPE"],
-        null_lagrangian=module["NULL_LAGRANGIAN"],
-        polyconvex=module["POLYCONVEX"],
-        weight_planes=tuple(module["WEIGHT_PLANES"]),
-        operations=module["OPERATIONS"],
+        barrier=facts.barrier,
+        equation_type=facts.equation_type,
+        null_lagrangian=facts.null_lagrangian,
+        polyconvex=facts.polyconvex,
+        weight_planes=facts.weight_planes,
+        operations={name: sum(count.values()) for name, count in facts.operations.items()},
         _parameters=values,
         _functions=functions,
     )
 
 
 @lru_cache(maxsize=128)
-def _load(
-    functional: Functional, variant: Variant, backend: str
-) -> tuple[dict[str, Any], dict[str, Callable[..., None]]]:
-    c_path, numpy_path = find_sources(functional, variant)
-    module = load_module(numpy_path, numpy_path.read_text(encoding="utf-8"))
-    name = functional.name if variant == "plain" else f"{functional.name}_{variant}"
-    return module, choose_backend(backend).load(name, lambda: c_path.read_text(encoding="utf-8"), module)
+def _load(functional: Functional, variant: Variant, backend: str) -> tuple[KernelFacts, Mapping[str, Function]]:
+    found = find_backend(backend)
+    facts_path, source_path = find_sources(functional, variant, found)
+    facts = KernelFacts.from_json(facts_path.read_text(encoding="utf-8"))
+    return facts, found.load(facts, source_path.read_text(encoding="utf-8"))

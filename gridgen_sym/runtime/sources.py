@@ -1,4 +1,4 @@
-"""Find the sources of a functional's kernels: in `generated/`, in the cache, or by deriving them now."""
+"""Find the source of a functional's kernels: in `generated/`, in the cache, or by deriving it now."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..codegen.backend import Backend
+from ..codegen.facts import definition_digest, kernel_name
 from ..functionals import is_builtin
 from ..functionals.definition import Functional
 from ..messages import say
@@ -17,52 +19,52 @@ if TYPE_CHECKING:
     from ..symbolic.coordinates import Variant
 
 
-def find_sources(functional: Functional, variant: Variant) -> tuple[Path, Path]:
-    """Return the paths of the C source and of the NumPy source.
+def find_sources(functional: Functional, variant: Variant, backend: Backend) -> tuple[Path, Path]:
+    """Return the paths of the facts of a kernel, and of its source in the language of a back end.
 
     Those of built-in functionals are committed; others are derived once and kept in the cache. Deriving loads SymPy.
     """
-    name = functional.name if variant == "plain" else f"{functional.name}_{variant}"
+    name = kernel_name(functional.name, variant)
     committed = resource_folder("generated")
-    paths = committed / "c" / f"{name}.c", committed / "numpy" / f"{name}.py"
+    paths = committed / "facts" / f"{name}.json", committed / backend.name / f"{name}{backend.suffix}"
     if is_builtin(functional.name) and all(path.exists() for path in paths):
         return paths
-    stem = f"sources/{name}-{_key(functional, variant)}"
-    c_source, numpy_source = cache.find(stem, ".c"), cache.find(stem, ".py")
-    return (c_source, numpy_source) if c_source and numpy_source else _derive(functional, variant, stem)
+    stem = f"sources/{name}-{_key(functional, variant, backend)}"
+    facts, source = cache.find(stem, ".json"), cache.find(stem, backend.suffix)
+    return (facts, source) if facts and source else _derive(functional, variant, backend, stem)
 
 
-def _derive(functional: Functional, variant: Variant, stem: str) -> tuple[Path, Path]:
+def _derive(functional: Functional, variant: Variant, backend: Backend, stem: str) -> tuple[Path, Path]:
     from ..codegen.programs import kernel
-    from ..codegen.render import render
 
     say(f"deriving the kernels of {functional.name} ({variant}) ...")
     derived = kernel(functional, variant)
     return (
-        cache.keep(stem, ".c", render(derived, "c").text.encode()),
-        cache.keep(stem, ".py", render(derived, "numpy").text.encode()),
+        cache.keep(stem, ".json", derived.facts.to_json().encode()),
+        cache.keep(stem, backend.suffix, backend.render(derived).encode()),
     )
 
 
-def _key(functional: Functional, variant: Variant) -> str:
+def _key(functional: Functional, variant: Variant, backend: Backend) -> str:
     """Return a key that changes with the definition and with everything that derives and prints."""
     # The definition of a built-in functional is part of the package's text, so SymPy need not be loaded to know it.
-    definition = functional.name
-    if not is_builtin(functional.name):
-        import sympy
-
-        definition += sympy.srepr(functional.expression()) + repr(
-            (functional.corner_factor, tuple(functional.parameters))
-        )
-    return hashlib.sha256(f"{definition}\0{variant}\0{_generator_digest()}".encode()).hexdigest()[:16]
+    definition = "" if is_builtin(functional.name) else definition_digest(functional)
+    return cache.digest(functional.name, definition, variant, backend.name, _generator_digest(_folder(backend)))
 
 
-@lru_cache(maxsize=1)
-def _generator_digest() -> str:
+def _folder(backend: Backend) -> Path:
+    """Return the folder of a back end: what stands there prints its kernels."""
+    import inspect
+
+    return Path(inspect.getfile(type(backend))).parent
+
+
+@lru_cache(maxsize=8)
+def _generator_digest(backend: Path) -> str:
     package = Path(__file__).parent.parent
     texts = [*sorted(resource_folder("templates").rglob("*.jinja"))]
-    for part in ("functionals", "symbolic", "codegen"):
-        texts += sorted((package / part).glob("*.py"))
+    for folder in (*(package / part for part in ("functionals", "symbolic", "codegen")), backend):
+        texts += sorted(folder.rglob("*.py"))
     digest = hashlib.sha256()
     for path in texts:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from gridgen_sym.codegen import generate
-from gridgen_sym.codegen.generate import check_generated, write_generated
+from gridgen_sym.codegen.generate import SHARED, check_generated, write_generated
 from gridgen_sym.codegen.kernel import Source
 from gridgen_sym.resources import resource_folder
 
@@ -47,6 +47,23 @@ def test_all_of_generated_is_the_committed_bytes(derived, monkeypatch):
     assert [one.path for one in sources if (folder / one.path).read_bytes() != one.text.encode()] == []
 
 
+#: Lines of all files, of the largest kernel in one language, and of what its kernels share.
+MOST_LINES, MOST_OF_A_KERNEL, MOST_SHARED = 16_000, 500, 1600
+
+
+def test_generated_files_stay_small():
+    """What is the same in all kernels is written once, so that a new functional adds its arithmetic and little else."""
+    folder = resource_folder("generated")
+    lines = {
+        path.relative_to(folder).as_posix(): len(path.read_text(encoding="utf-8").splitlines())
+        for path in folder.rglob("*.*")
+        if "__pycache__" not in path.parts
+    }
+    assert sum(lines.values()) <= MOST_LINES
+    assert max(lines[path] for path in SHARED) <= MOST_SHARED
+    assert {path: count for path, count in lines.items() if path not in SHARED and count > MOST_OF_A_KERNEL} == {}
+
+
 def test_no_source_depends_on_the_hash_seed(derived):
     one, other = map(dict, derived)
     assert len(one) >= 36
@@ -69,8 +86,10 @@ def few_functionals(monkeypatch):
 def written(tmp_path, few_functionals):
     changed = write_generated(tmp_path)
     assert {path.relative_to(tmp_path).as_posix() for path in changed} == {
+        "c/common.h", "c/loops.h", "numpy/loops.py",
         "c/length.c", "c/area.c", "c/area_frozen.c", "c/area_differentiated.c",
         "numpy/length.py", "numpy/area.py", "numpy/area_frozen.py", "numpy/area_differentiated.py",
+        "facts/length.json", "facts/area.json", "facts/area_frozen.json", "facts/area_differentiated.json",
         "docs/length.md", "docs/area.md",
     }  # fmt: skip
     return tmp_path
@@ -86,11 +105,11 @@ def test_a_folder_just_written_passes_and_is_not_written_again(written):
 def test_an_edited_file_is_shown_as_a_diff_and_written_again(written):
     path = written / "c" / "length.c"
     text = path.read_text()
-    path.write_text(text.replace("length_energy", "length_enemy"))
+    path.write_text(text.replace("corner_energy", "corner_enemy"))
     difference = check_generated(written)
     assert "--- generated/c/length.c (committed)\n+++ generated/c/length.c (derived now)\n" in difference
-    assert any(line.startswith("-") and "length_enemy" in line for line in difference.splitlines())
-    assert any(line.startswith("+") and "length_energy" in line for line in difference.splitlines())
+    assert any(line.startswith("-") and "corner_enemy" in line for line in difference.splitlines())
+    assert any(line.startswith("+") and "corner_energy" in line for line in difference.splitlines())
     assert "area" not in difference
     assert write_generated(written) == [path]
     assert path.read_text() == text
@@ -105,7 +124,7 @@ def test_a_missing_file_is_shown_as_a_diff_and_written_again(written):
     assert write_generated(written) == [path]
 
 
-@pytest.mark.parametrize("name", ["c/long_gone.c", "numpy/long_gone.py", "docs/long_gone.md"])
+@pytest.mark.parametrize("name", ["c/gone.c", "c/gone.h", "numpy/gone.py", "facts/gone.json", "docs/gone.md"])
 def test_a_stale_file_is_shown_as_a_diff_and_removed(written, name):
     path = written / name
     path.write_text("once\n")

@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 from support import evaluate, run
 from sympy import Piecewise, Rational, exp, log, sqrt
 
+from gridgen_sym.backends.c.printer import CPrinter
+from gridgen_sym.backends.numpy.printer import NumpyPrinter
 from gridgen_sym.codegen.kernel import Assignment, Program, check_expressible, reciprocal
 from gridgen_sym.codegen.lower import LARGEST_PRODUCT, count_operations, lower
-from gridgen_sym.codegen.printers import CPrinter, NumpyPrinter
 from gridgen_sym.errors import GridgenError
 
 COMPILER = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)

@@ -22,14 +22,14 @@ from support import (
     numpy_names,
     parameter_values,
     random_values,
+    rendered,
     run,
     slopes,
 )
 
+from gridgen_sym.backends.numpy.loader import load_module
 from gridgen_sym.codegen.kernel import Assignment, Program
-from gridgen_sym.codegen.render import render
 from gridgen_sym.functionals import functional
-from gridgen_sym.runtime.load import load_module
 from gridgen_sym.symbolic.coordinates import FIRST_DERIVATIVES
 from gridgen_sym.symbolic.derive.continuous import euler_lagrange, residual_slopes
 from gridgen_sym.symbolic.derive.discrete import corner_model
@@ -240,7 +240,7 @@ def test_a_flipped_sign_in_a_gradient_is_objected_to(case):
 @pytest.mark.parametrize("place", [0, 2, -1], ids=["energy", "first slope", "last slope"])
 @pytest.mark.parametrize("broken_line", [r"\1-(\2)", r"\1 2.0*(\2)"], ids=["sign", "factor"])
 def test_a_broken_printed_kernel_is_objected_to(case, place, broken_line):
-    text = render(derived_kernel(*case), "numpy").text
+    text = rendered(*case, "numpy")
     program = derived_kernel(*case).programs["corner_slopes"]
     output = program.outputs[place]
     first, head, body = text.partition("def corner_slopes(")

@@ -12,34 +12,49 @@ import jinja2
 import jinja2.meta
 import pytest
 from jinja2 import nodes
-from support import COMMITTED, DERIVED, case_name, derived_kernel
+from support import COMMITTED, DERIVED, case_name, derived_kernel, rendered
 
+from gridgen_sym.backends.c.loader import PARTS
+from gridgen_sym.backends.c.printer import CPrinter
+from gridgen_sym.backends.numpy.printer import NumpyPrinter
 from gridgen_sym.codegen import render as render_module
-from gridgen_sym.codegen.generate import committed_variants, sources
-from gridgen_sym.codegen.programs import kernel_name
-from gridgen_sym.codegen.render import LANGUAGES, environment, render, template_variables
+from gridgen_sym.codegen.backend import BUILTIN, find_backend
+from gridgen_sym.codegen.facts import KernelFacts, kernel_name
+from gridgen_sym.codegen.generate import SHARED, committed_variants, sources
+from gridgen_sym.codegen.render import environment, template_variables
 from gridgen_sym.functionals import functional
 from gridgen_sym.resources import resource_folder
-from gridgen_sym.runtime.load import PARTS
 
+#: Templates that are filled once for each kernel, with the printers, and once for all.
+KERNEL_TEMPLATES = {"c/kernel.c.jinja": CPrinter, "numpy/kernel.py.jinja": NumpyPrinter}
+SHARED_TEMPLATES = tuple(f"{path}.jinja" for path in SHARED)
 COMPILER = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)] or [COMPILER]
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-c")
+HEADERS = resource_folder("generated") / "c"
 #: Warnings on the flow of values need the optimiser; without OpenMP the same flow is only read.
 MODES = {"openmp": ("-O1", "-fopenmp"), "serial": ("-fsyntax-only", "-Wno-unknown-pragmas")}
 TEMPLATES = resource_folder("templates")
 
 
 def compile_strictly(source, folder, *flags, compiler=COMPILER):
-    command = [compiler, *STRICT, *flags, "-o", str(folder / "object.o"), str(source)]
+    command = [compiler, *STRICT, *flags, f"-I{HEADERS}", "-o", str(folder / "object.o"), str(source)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("path", sorted((resource_folder("generated") / "c").glob("*.c")), ids=lambda path: path.stem)
-def test_committed_c_compiles_without_a_warning(path, mode, tmp_path):
-    told = compile_strictly(path, tmp_path, *MODES[mode])
+@pytest.mark.parametrize("path", sorted(HEADERS.glob("*.c")), ids=lambda path: path.stem)
+def test_committed_c_compiles_without_a_warning(path, tmp_path):
+    told = compile_strictly(path, tmp_path, *MODES["openmp"])
+    assert told.returncode == 0, told.stderr
+
+
+@pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("path", sorted(HEADERS.glob("*.c")), ids=lambda path: path.stem)
+def test_every_compiler_reads_committed_c_without_a_warning(path, compiler, tmp_path):
+    told = compile_strictly(path, tmp_path, *MODES["serial"], compiler=compiler)
     assert told.returncode == 0, told.stderr
 
 
@@ -51,7 +66,7 @@ def test_parts_compile_without_a_warning_of_either_compiler(name, part, compiler
     if not shutil.which(compiler):
         pytest.skip(f"there is no {compiler}")
     path = resource_folder("generated") / "c" / f"{name}.c"
-    flags = ("-DONLY_A_PART", f"-DONLY_{part}") if part else ()
+    flags = (f"-DPARTS=PART_{part}",) if part else ()
     told = compile_strictly(path, tmp_path, *MODES["serial"], *flags, compiler=compiler)
     assert told.returncode == 0, told.stderr
 
@@ -61,7 +76,7 @@ def test_parts_compile_without_a_warning_of_either_compiler(name, part, compiler
 @pytest.mark.parametrize("case", DERIVED, ids=case_name)
 def test_derived_c_compiles_without_a_warning(case, tmp_path):
     source = tmp_path / "kernel.c"
-    source.write_text(render(derived_kernel(*case), "c").text)
+    source.write_text(rendered(*case, "c"))
     told = compile_strictly(source, tmp_path, *MODES["openmp"])
     assert told.returncode == 0, told.stderr
 
@@ -74,19 +89,27 @@ def test_the_strict_flags_object_to_a_loss_of_precision(tmp_path):
 
 
 def test_every_committed_kernel_has_its_files():
-    for language, (_, path, _) in LANGUAGES.items():
-        wanted = {path.format(name=kernel_name(*case)) for case in COMMITTED}
-        suffix = path.rpartition(".")[2]
-        found = {f"{language}/{file.name}" for file in (resource_folder("generated") / language).glob(f"*.{suffix}")}
-        assert found == wanted
+    suffixes = {name: find_backend(name).suffix for name in BUILTIN} | {"facts": ".json"}
+    for folder, suffix in suffixes.items():
+        found = {path.relative_to(HEADERS.parent).as_posix() for path in (HEADERS.parent / folder).glob(f"*{suffix}")}
+        assert found - set(SHARED) == {f"{folder}/{kernel_name(*case)}{suffix}" for case in COMMITTED}
+
+
+@pytest.mark.parametrize("case", [("winslow", "plain"), ("area", "frozen"), ("knupp", "plain")], ids=case_name)
+def test_facts_come_back_from_their_text(case):
+    facts = derived_kernel(*case).facts
+    assert KernelFacts.from_json(facts.to_json()) == facts
+    assert facts.name == kernel_name(*case)
+    assert ("semidefinite_hessian_vector" in facts.functions) is facts.polyconvex
+    assert facts.parameters == tuple(functional(case[0]).parameters)
 
 
 # ---- the bytes ----
 
 
 def test_rendering_again_gives_the_same():
-    for language in LANGUAGES:
-        assert render(derived_kernel("area", "frozen"), language) == render(derived_kernel("area", "frozen"), language)
+    for name in BUILTIN:
+        assert rendered("area", "frozen", name) == rendered("area", "frozen", name)
 
 
 def test_sources_are_plain_text_without_trailing_blanks():
@@ -125,15 +148,21 @@ def test_twin_templates_have_the_same_names():
 
 @pytest.mark.parametrize("stem", sorted(stems("c")))
 def test_twin_templates_take_variables_that_are_given(stem):
-    given = set(template_variables(derived_kernel("winslow", "plain"), LANGUAGES["c"][2]()))
-    for language, suffix in (("c", "c"), ("numpy", "py")):
-        assert names_from_outside(f"{language}/{stem}.{suffix}.jinja") <= given
+    given = set(template_variables(derived_kernel("winslow", "plain"), CPrinter()))
+    for folder in ("c", "numpy"):
+        (template,) = (TEMPLATES / folder).glob(f"{stem}.*")
+        assert names_from_outside(f"{folder}/{template.name}") <= given
 
 
-def test_twin_entry_templates_use_the_same_variables_and_all_of_them():
-    given = set(template_variables(derived_kernel("winslow", "plain"), LANGUAGES["c"][2]()))
-    for entry, _, _ in LANGUAGES.values():
+def test_twin_templates_of_a_kernel_use_the_same_variables_and_all_of_them():
+    given = set(template_variables(derived_kernel("winslow", "plain"), CPrinter()))
+    for entry in KERNEL_TEMPLATES:
         assert names_from_outside(entry) == given
+
+
+def test_shared_templates_know_of_no_kernel():
+    for entry in SHARED_TEMPLATES:
+        assert names_from_outside(entry) == {"version"}
 
 
 def test_every_template_is_used():
@@ -141,7 +170,7 @@ def test_every_template_is_used():
     folders = (TEMPLATES.parent / "gridgen_sym", TEMPLATES.parent / "docs" / "_ext")
     code = [path.read_text(encoding="utf-8") for folder in folders for path in folder.rglob("*.py")]
     pages = {f"docs/{name}" for text in code for name in re.findall(r'"(\w+\.(?:md|html)\.jinja)"', text)}
-    waiting = [*(entry for entry, _, _ in LANGUAGES.values()), *pages]
+    waiting = [*KERNEL_TEMPLATES, *SHARED_TEMPLATES, *pages]
     while waiting:
         name = waiting.pop()
         reached.add(name)
@@ -162,10 +191,10 @@ def test_a_variable_that_is_not_given_is_an_error():
         environment().from_string("{{ nothing_of_this_name }}").render()
 
 
-@pytest.mark.parametrize("entry", [entry for entry, _, _ in LANGUAGES.values()])
-@pytest.mark.parametrize("missing", ["kernel", "programs", "weight_planes", "version"])
+@pytest.mark.parametrize("entry", KERNEL_TEMPLATES)
+@pytest.mark.parametrize("missing", ["facts", "programs", "version"])
 def test_a_template_without_one_of_its_variables_is_an_error(entry, missing):
-    variables = template_variables(derived_kernel("area", "frozen"), LANGUAGES[entry.partition("/")[0]][2]())
+    variables = template_variables(derived_kernel("area", "frozen"), KERNEL_TEMPLATES[entry]())
     del variables[missing]
     with pytest.raises(jinja2.UndefinedError, match=missing):
         environment().get_template(entry).render(variables)
@@ -173,7 +202,7 @@ def test_a_template_without_one_of_its_variables_is_an_error(entry, missing):
 
 def test_a_kernel_is_immutable():
     with pytest.raises(dataclasses.FrozenInstanceError):
-        derived_kernel("area", "plain").name = "other"
+        derived_kernel("area", "plain").facts.name = "other"
 
 
 def test_render_is_the_only_module_that_opens_templates():

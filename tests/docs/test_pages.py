@@ -13,9 +13,10 @@ from derived_pages.reference_pages import command_helps, public_names
 
 import gridgen_sym
 from gridgen_sym import selfcheck
-from gridgen_sym.codegen.printers import CPrinter
+from gridgen_sym.backends.c.printer import CPrinter
+from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen.programs import kernel
-from gridgen_sym.codegen.render import render, render_document
+from gridgen_sym.codegen.render import render_document
 from gridgen_sym.documentation.advice import consequences
 from gridgen_sym.documentation.functional_page import _parts
 from gridgen_sym.functionals import functional, functionals
@@ -100,7 +101,7 @@ def test_the_pipeline_page_quotes_what_the_program_holds():
     derived = kernel(functional("winslow"))
     printed = CPrinter().program(derived.programs["corner_slopes"])
     program = [f"{one.name} = {one.value}" for one in derived.programs["corner_slopes"].assignments]
-    source = render(derived, "c").text
+    source = find_backend("c").render(derived)
     real = "\n".join([derive_text(functional("winslow")), *program, source, library])
     quoted = [line for language, body in blocks if language in ("python", "c") for line in body.splitlines()]
     quoted += [

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from gridgen_sym.backends.c.loader import headers
 from gridgen_sym.codegen.render import environment
 from gridgen_sym.runtime import compile_library, find_compiler
 
@@ -25,10 +26,10 @@ EXPORT void clamp_all(int64_t groups, double (*h)[10][CHUNK]) {
 @cache
 def compiled(change=("", "")):
     """Compile the clamp alone, with a piece of its text changed."""
-    texts = [environment().get_template(f"c/{name}.c.jinja").render() for name in ("common", "clamp")]
-    assert change[0] in texts[1]
-    texts[1] = texts[1].replace(*change)
-    return ctypes.CDLL(str(compile_library("clamp_alone", "\n".join([*texts, _EXPORT])))).clamp_all
+    text = environment().get_template("c/clamp.h.jinja").render()
+    assert change[0] in text
+    source = '#include "common.h"\n' + text.replace(*change) + _EXPORT
+    return ctypes.CDLL(str(compile_library("clamp_alone", source, headers=headers()))).clamp_all
 
 
 def clamped(matrices, change=("", "")):

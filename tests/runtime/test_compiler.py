@@ -17,11 +17,13 @@ import numpy as np
 import pytest
 
 from gridgen_sym import domain, messages
+from gridgen_sym.backends.c.loader import PARTS, headers, part_of
+from gridgen_sym.codegen.backend import find_backend
+from gridgen_sym.codegen.interface import FUNCTIONS
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.functionals import define, functional
 from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels, toolchain
 from gridgen_sym.runtime.compiler import compile_library
-from gridgen_sym.runtime.load import PARTS, SIGNATURES
 from gridgen_sym.runtime.sources import find_sources
 
 ANSWER = 'int answer(void);\n__attribute__((visibility("default"))) int answer(void) { return 42; }\n'
@@ -275,6 +277,8 @@ def test_a_library_is_built_once(cache, capsys):
 def test_the_key_changes_with_everything_that_the_library_depends_on(monkeypatch, cache):
     told = [compile_library("tiny", ANSWER)]
     told.append(compile_library("tiny", ANSWER.replace("42", "43")))
+    told.append(compile_library("tiny", ANSWER, headers={"other.h": "#define OTHER 1\n"}))
+    told.append(compile_library("tiny", ANSWER, headers={"other.h": "#define OTHER 2\n"}))
     with monkeypatch.context() as change:
         change.setattr(toolchain, "FLAGS", (*toolchain.FLAGS, "-DNOTHING"))
         told.append(compile_library("tiny", ANSWER))
@@ -287,7 +291,7 @@ def test_the_key_changes_with_everything_that_the_library_depends_on(monkeypatch
     with monkeypatch.context() as change:
         change.setattr(compiler, "_processor", lambda: "another")
         told.append(compile_library("tiny", ANSWER))
-    assert len(set(told)) == len(told) == 7
+    assert len(set(told)) == len(told) == 9
     assert answer_of(told[1]) == 43
 
 
@@ -361,7 +365,7 @@ needs_owners = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs POSI
 def test_a_new_cache_is_closed_to_others_whatever_the_umask_says(cache):
     before = os.umask(0)
     try:
-        find_sources(define("mine", "g11 + 2*g22"), "plain")
+        find_sources(define("mine", "g11 + 2*g22"), "plain", find_backend("c"))
     finally:
         os.umask(before)
     assert {path.stat().st_mode & 0o077 for path in (cache, *cache.rglob("*"))} == {0}
@@ -373,15 +377,15 @@ def test_a_new_cache_is_closed_to_others_whatever_the_umask_says(cache):
 def test_a_cache_folder_in_which_others_can_write_is_refused_with_the_repair(cache, folder, mode):
     """What is kept there is run: who can write there could run what they want in the user's name."""
     mine = define("mine", "g11 + 2*g22")
-    find_sources(mine, "plain")
+    find_sources(mine, "plain", find_backend("c"))
     opened = cache / folder
     opened.chmod(mode)
     forget()
     repair = f"run  chmod go-w {opened}  or set GRIDGEN_SYM_CACHE"
     with pytest.raises(GridgenError, match=f"can be written by other users .mode {mode:04o}.*{repair}"):
-        find_sources(mine, "plain")
+        find_sources(mine, "plain", find_backend("c"))
     opened.chmod(0o755)
-    assert all(path.is_relative_to(cache) for path in find_sources(mine, "plain"))
+    assert all(path.is_relative_to(cache) for path in find_sources(mine, "plain", find_backend("c")))
 
 
 @needs_owners
@@ -505,7 +509,7 @@ def test_two_processes_with_one_cold_cache_make_the_same_grid(cache):
     assert told[0][0] == told[1][0] != "\n"
     kept = [path for path in cache.rglob("*") if path.is_file()]
     assert not [
-        path for path in kept if path.suffix not in (".so", ".c", ".py") and not path.name.startswith("openmp-")
+        path for path in kept if path.suffix not in (".so", ".c", ".json") and not path.name.startswith("openmp-")
     ]
 
 
@@ -533,38 +537,45 @@ def test_a_part_is_compiled_when_it_is_first_called_and_said(cache, capsys):
 @pytest.mark.slow
 @needs_compiler
 def test_each_part_exports_its_functions_and_no_others(cache):
-    assert sorted(name for names in PARTS.values() for name in names) == sorted(SIGNATURES)
-    source = find_sources(functional("length"), "plain")[0].read_text(encoding="utf-8")
-    for macro, _ in PARTS:
-        text = f"#define ONLY_A_PART\n#define ONLY_{macro}\n{source}"
-        library = ctypes.CDLL(str(compile_library("length", text)))
-        exported = {name for name in SIGNATURES if hasattr(library, f"length_{name}")}
-        assert exported == {name for (part, _), names in PARTS.items() for name in names if part == macro}
+    assert sorted(name for names in PARTS.values() for name in names) == sorted(FUNCTIONS)
+    source = find_sources(functional("length"), "plain", find_backend("c"))[1].read_text(encoding="utf-8")
+    for part, _ in PARTS:
+        library = ctypes.CDLL(str(compile_library("length", part_of(source, part), headers=headers())))
+        exported = {name for name in FUNCTIONS if hasattr(library, f"length_{name}")}
+        assert exported == {name for (other, _), names in PARTS.items() for name in names if other == part}
 
 
 # ---- sources derived when first used ----
 
 
-@pytest.mark.parametrize("suffix", [".c", ".py"])
-def test_a_damaged_source_is_derived_again(cache, suffix):
+@pytest.mark.parametrize("suffix", [".c", ".json"])
+def test_damaged_sources_are_derived_again(cache, suffix):
     mine = define("mine", "g11 + 2*g22")
-    before = [path.read_bytes() for path in find_sources(mine, "plain")]
+    before = [path.read_bytes() for path in find_sources(mine, "plain", find_backend("c"))]
     (damaged,) = (cache / "sources").glob(f"*{suffix}")
-    damaged.write_bytes(damaged.read_bytes()[:1000])
-    assert [path.read_bytes() for path in find_sources(mine, "plain")] == before
+    damaged.write_bytes(damaged.read_bytes()[:100])
+    assert [path.read_bytes() for path in find_sources(mine, "plain", find_backend("c"))] == before
 
 
 def test_a_functional_of_a_user_is_derived_once_and_kept(cache, capsys):
-    mine = define("mine", "g11 + 2*g22 + k*J**2", parameters={"k": 1})
-    first = find_sources(mine, "plain")
+    def find(text, k):
+        mine = define("mine", text, parameters={"k": k}, replace=True)
+        return find_sources(mine, "plain", find_backend("numpy"))
+
+    first = find("g11 + 2*g22 + k*J**2", 1)
     assert all(path.is_relative_to(cache) and path.exists() for path in first)
-    assert find_sources(define("mine", "g11 + 2*g22 + k*J**2", parameters={"k": 5}, replace=True), "plain") == first
+    assert find("g11 + 2*g22 + k*J**2", 5) == first
     assert capsys.readouterr().err.count("deriving the kernels of mine") == 1
-    other = find_sources(define("mine", "g11 + 3*g22 + k*J**2", parameters={"k": 1}, replace=True), "plain")
-    assert not set(other) & set(first)
+    assert not set(find("g11 + 3*g22 + k*J**2", 1)) & set(first)
 
 
-def test_committed_sources_are_not_derived_again(cache, capsys):
-    find_sources(functional("winslow"), "plain")
+def test_only_the_language_in_use_is_printed_and_kept(cache):
+    find_sources(define("mine", "g11 + 2*g22"), "plain", find_backend("numpy"))
+    assert {path.suffix for path in (cache / "sources").iterdir()} == {".json", ".py"}
+
+
+@pytest.mark.parametrize("name", ["c", "numpy"])
+def test_committed_sources_are_not_derived_again(cache, capsys, name):
+    find_sources(functional("winslow"), "plain", find_backend(name))
     assert capsys.readouterr().err == ""
     assert not (cache / "sources").exists()

@@ -18,7 +18,7 @@ from support import (
 
 from gridgen_sym.functionals import functional
 from gridgen_sym.runtime import find_compiler
-from gridgen_sym.runtime.load import Block
+from gridgen_sym.runtime.block import Block
 
 BACKEND = "c" if find_compiler() else "numpy"
 SIZE = (4, 5)

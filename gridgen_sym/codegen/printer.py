@@ -1,4 +1,4 @@
-"""Print the expressions of a `Program` as C or as NumPy; terms and factors in SymPy's canonical order."""
+"""Print the expressions of a `Program` in the language of a back end; terms and factors in SymPy's canonical order."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .lower import LARGEST_PRODUCT
 
 
 class Printer(ABC):
-    """Prints the nodes that both languages write alike; subclasses say what differs."""
+    """Prints the nodes that most languages write alike; subclasses say what differs."""
 
     #: Names of functions in the language, by SymPy's name.
     functions: Mapping[str, str] = {}
@@ -83,35 +83,3 @@ class Printer(ABC):
     @abstractmethod
     def _choice(self, node: sympy.Piecewise) -> str:
         """Return the first value where its condition holds, else the second."""
-
-
-class CPrinter(Printer):
-    """Prints C99."""
-
-    functions: Mapping[str, str] = {
-        name: name for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan")
-    } | {"Abs": "fabs", "sign": "sign"}
-
-    def _general_power(self, base: str, exponent: str) -> str:
-        return f"pow({base}, {exponent})"
-
-    def _choice(self, node: sympy.Piecewise) -> str:
-        (first, condition), (second, _) = node.args
-        test = f"{self.expression(condition.lhs)} {condition.rel_op} {self.expression(condition.rhs)}"
-        return f"({test}) ? ({self.expression(first)}) : ({self.expression(second)})"
-
-
-class NumpyPrinter(Printer):
-    """Prints NumPy on arrays."""
-
-    functions: Mapping[str, str] = {
-        name: f"np.{name}" for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")
-    } | {"Abs": "np.abs", "sign": "np.sign", "atan": "np.arctan"}
-
-    def _general_power(self, base: str, exponent: str) -> str:
-        return f"({base})**({exponent})"
-
-    def _choice(self, node: sympy.Piecewise) -> str:
-        (first, condition), (second, _) = node.args
-        test = f"{self.expression(condition.lhs)} {condition.rel_op} {self.expression(condition.rhs)}"
-        return f"np.where({test}, {self.expression(first)}, {self.expression(second)})"
