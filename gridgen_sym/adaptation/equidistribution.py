@@ -56,9 +56,9 @@ def equidistribution(grid: Grid, weight: Weight | npt.ArrayLike) -> Equidistribu
     """
     given = weight if isinstance(weight, Weight) else Weight(weight)
     if given.per_node:
-        s = cell_means(given.planes(grid.planes, ("s",))[0])
+        s = cell_means(given.values(grid.planes))
     else:
-        s = given.planes(np.stack([cell_means(plane) for plane in grid.planes]), ("s",))[0]
+        s = given.values(np.stack([cell_means(plane) for plane in grid.planes]), "cell")
     if s.min() < 0:
         raise GridgenError(f"the spread of s·J needs a weight that is nowhere negative; it is {s.min():.6g} somewhere")
     area = cell_areas(grid)

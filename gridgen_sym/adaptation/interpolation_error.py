@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from ..arrays import Array
 from ..errors import GridgenError
-from ..fields.weight_formula import compiled_formula, is_expression
+from ..fields.field import Field, Source, as_field
 from ..grids import Grid, quality
 from ..grids.grid import check_grid
 from .recovery import nodal_values
@@ -19,9 +15,7 @@ from .recovery import nodal_values
 _POINTS = 8
 
 
-def interpolation_error(
-    grid: Grid, function: str | Callable[[Array, Array], npt.ArrayLike], values: npt.ArrayLike | None = None
-) -> float:
+def interpolation_error(grid: Grid, function: Field | Source, values: npt.ArrayLike | None = None) -> float:
     """Return the L2 norm over the grid of a function minus the bilinear interpolant of nodal values.
 
     By 8 x 8 Gauss points in each cell. With the values of a solver it is the error of the solution as finite elements
@@ -29,7 +23,7 @@ def interpolation_error(
 
     Args:
         grid: the grid.
-        function: a function of two arrays (x, y), a formula in x and y as text, or a SymPy expression.
+        function: a function of two arrays (x, y), a formula in x and y as text, a SymPy expression, or samples.
         values: (ni, nj), the nodal values; by default those of the function.
 
     Raises:
@@ -39,9 +33,12 @@ def interpolation_error(
     check_grid(grid)
     if not quality(grid).valid:
         raise GridgenError("on a folded grid nodal values are no function of place: use gridgen_sym.untangle")
-    given: Any = function
-    exact = compiled_formula(given, "") if isinstance(given, str) or is_expression(given) else given
-    u = nodal_values(grid, _on_points(exact, grid.x, grid.y) if values is None else values)
+    exact = as_field(function, "the function")
+    if exact.per_node:
+        raise GridgenError(
+            "the function must be known everywhere: pass nodal values as `values`, or as samples of a grid"
+        )
+    u = nodal_values(grid, exact.values(grid.x, grid.y) if values is None else values)
     nodes = np.concatenate((grid.planes, u[np.newaxis]))
     a, b, c, d = nodes[:, :-1, :-1], nodes[:, 1:, :-1], nodes[:, 1:, 1:], nodes[:, :-1, 1:]
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
@@ -51,17 +48,6 @@ def interpolation_error(
             x, y, interpolated = a * (1 - p) * (1 - q) + b * p * (1 - q) + c * p * q + d * (1 - p) * q
             x_xi, y_xi, _ = (b - a) * (1 - q) + (c - d) * q
             x_eta, y_eta, _ = (d - a) * (1 - p) + (c - b) * p
-            error = _on_points(exact, x, y) - interpolated
+            error = exact.values(x, y, "Gauss point of a cell") - interpolated
             total += along * across * float((error**2 * (x_xi * y_eta - x_eta * y_xi)).sum())
     return float(np.sqrt(total))
-
-
-def _on_points(function: Callable[[Array, Array], npt.ArrayLike], x: Array, y: Array) -> Array:
-    """Return the values of a function at points, checked."""
-    found = np.asarray(function(x, y), dtype=float)
-    if found.shape not in ((), x.shape) or not np.isfinite(found).all():
-        raise GridgenError(
-            f"the function must give one finite number per point, shape {x.shape}; its values have the shape "
-            f"{found.shape}, and {int((~np.isfinite(found)).sum())} of them are not finite"
-        )
-    return np.broadcast_to(found, x.shape)

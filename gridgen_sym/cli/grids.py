@@ -11,6 +11,7 @@ import click
 
 from ..errors import GridgenError, MissingExtraError
 from .base import functionals_option
+from .field import field_of
 from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
 
@@ -36,7 +37,12 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @start_options
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
-@click.option("--weight", metavar="FORMULA", help="Adaptive weight s(x, y), such as '1 + 5*exp(-20*(x**2 + y**2))'.")
+@click.option(
+    "--weight",
+    metavar="FIELD",
+    help="Adaptive weight s(x, y): a formula such as '1 + 5*exp(-20*(x**2 + y**2))', or a .npz or .csv file as for "
+    "'adapt --to'.",
+)
 @click.option(
     "--weight-mode",
     type=click.Choice(("frozen", "differentiated")),
@@ -102,14 +108,15 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     return partial(solve_euler_lagrange, functional=name, method=way, **given)
 
 
-def _weight(formula: str | None, mode: str | None, allow_negative: bool) -> Weight | None:
+def _weight(text: str | None, mode: str | None, allow_negative: bool) -> Weight | None:
+    """Return the weight that the options give."""
     from ..fields import Weight
 
-    if formula is None:
+    if text is None:
         if mode or allow_negative:
-            raise GridgenError("--weight-mode and --allow-negative-weight need a --weight FORMULA")
+            raise GridgenError("--weight-mode and --allow-negative-weight need a --weight FIELD")
         return None
-    return Weight(formula, mode or "frozen", allow_negative)  # type: ignore[arg-type]
+    return Weight(field_of(text, smooth=mode == "differentiated"), mode or "frozen", allow_negative)  # type: ignore[arg-type]
 
 
 def check_outputs(output: str | None, plot: str | None) -> None:

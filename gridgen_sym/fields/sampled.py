@@ -18,6 +18,7 @@ from ..arrays import Array, real_array
 from ..errors import GridgenError
 from ..grids import Grid
 from ..grids.grid import check_grid
+from .function import difference
 
 #: Fewer samples span no plane, and less than a grid of cubics in either direction.
 _FEWEST_POINTS, _FEWEST_SMOOTH = 3, 4
@@ -29,17 +30,26 @@ class SampledField:
 
     Attributes:
         kind: what the samples are, in words.
-        derivative: (x, y, dx, dy) gives the derivative of these orders; None where there is none in closed form.
     """
 
     kind: str
-    derivative: Callable[[Array, Array, int, int], Array] | None
+    _derivative: Callable[[Array, Array, int, int], Array] | None
     _value: Callable[[Array, Array], Array]
     _covers: Callable[[Array, Array], npt.NDArray[np.bool_]]
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Return the values at points; outside the samples, the nearest one."""
         return self._value(x, y)
+
+    def values(self, x: Array, y: Array) -> Array:
+        """Return the values at points, as a call does."""
+        return self._value(x, y)
+
+    def derivatives(self, x: Array, y: Array, along: tuple[str, ...]) -> list[npt.ArrayLike]:
+        """Return the derivatives along `x`, `y`, `xx`, `xy` or `yy`: exact ones of a spline, else by differences."""
+        if self._derivative is None:
+            return [difference(self._value, x, y, key) for key in along]
+        return [self._derivative(x, y, key.count("x"), key.count("y")) for key in along]
 
     def outside(self, x: Array, y: Array) -> int:
         """Return how many points lie outside the samples, where the nearest value is taken."""

@@ -1,32 +1,24 @@
-"""Weights (the paper's adaptive function s): from a formula, a function, samples or an array, checked."""
+"""Weights, the paper's adaptive function s: a scalar field that is not negative, and how the solvers see it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
 from ..errors import GridgenError
-from ..functionals.expression import FUNCTION_NAMES, evaluate
 from ..grids import Grid
-from .sampled import SampledField, grid_field, nodal, raster_field, scattered_field
-from .weight_formula import compiled_formula, is_expression
-
-if TYPE_CHECKING:
-    import sympy
+from .field import Field, as_field
+from .field import Source as Source
+from .sampled import grid_field, raster_field, scattered_field
 
 Mode = Literal["frozen", "differentiated"]
-Source: TypeAlias = "str | float | sympy.Expr | Callable[[Array, Array], npt.ArrayLike] | npt.NDArray[Any]"
 
-_NUMPY_FUNCTIONS = {name: getattr(np, {"atan": "arctan"}.get(name, name)) for name in FUNCTION_NAMES}
 #: Beyond this size the squares of weights, and their products with other terms, overflow.
 LARGEST = 1e100
-#: Partial derivatives of the weight, by the name of its plane.
-_DERIVATIVES = {"s_x": "x", "s_y": "y", "s_xx": "xx", "s_xy": "xy", "s_yy": "yy"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,11 +34,13 @@ class Weight:
             sqrt(s)·J becomes constant.
         allow_negative: accept a weight that is negative somewhere. The weighted area energy has no lower
             bound then; results say so.
+        field: made of the source.
     """
 
     source: Source
     mode: Mode = "frozen"
     allow_negative: bool = False
+    field: Field = field(init=False, repr=False)
 
     @classmethod
     def on_grid(
@@ -83,11 +77,10 @@ class Weight:
         return cls(raster_field(x, y, values, smooth=mode == "differentiated"), mode, allow_negative)
 
     def __post_init__(self) -> None:
-        """Check what can be checked without a grid."""
+        """Make the field, and check what can be checked without a grid."""
         if self.mode not in ("frozen", "differentiated"):
             raise GridgenError(f"a weight's mode must be 'frozen' or 'differentiated'; came {self.mode!r}")
-        if is_expression(self.source):
-            compiled_formula(self.source, "")
+        object.__setattr__(self, "field", as_field(self.source, "the weight"))
         if self.per_node and self.mode != "frozen":
             raise GridgenError(
                 "an array of weights has no derivatives: use mode='frozen', or give a formula, a function or "
@@ -97,132 +90,64 @@ class Weight:
     @property
     def per_node(self) -> bool:
         """Whether it is given at the nodes or in the cells of one grid only."""
-        source: Any = self.source
-        of_place = isinstance(source, str) or callable(source) or is_expression(source)
-        return not of_place and _real(source).ndim > 0
+        return self.field.per_node
 
     @property
     def lags(self) -> bool:
-        """Whether it is held while the nodes move, and another where they come to."""
+        """Whether it is held while the nodes move, and evaluated again where they come to."""
         return self.mode == "frozen" and not self.per_node
 
     def planes(self, coordinates: Array, names: tuple[str, ...]) -> Array:
-        """Return the weight at the nodes, and those of its derivatives that `names` lists, each (ni, nj).
+        """Return the weight at the nodes, and its derivatives that `names` lists after it, each (ni, nj).
+
+        Args:
+            coordinates: (2, ni, nj).
+            names: `s`, and for example `s_x` or `s_xy`.
 
         Raises:
             GridgenError: if it is not finite at a node, or negative without `allow_negative`; the node is named.
         """
-        x, y = coordinates
-        value = self._values(x, y)
-        self._check(value, "weight", x, y)
-        self._check_sign(value, x, y)
+        value = self.values(coordinates)
         if len(names) == 1:
             return value[np.newaxis]
-        planes = [value]
-        for name in names[1:]:
-            planes.append(self._derivative(_DERIVATIVES[name], x, y))
-            self._check(planes[-1], f"weight's derivative {name}", x, y)
-        return np.stack(planes)
+        x, y = coordinates
+        derivatives = self.field.derivatives(x, y, tuple(name.removeprefix("s_") for name in names[1:]))
+        for name, derivative in zip(names[1:], derivatives, strict=True):
+            _check_size(derivative, f"the weight's derivative {name}", coordinates)
+        return np.stack([value, *derivatives])
 
-    def negative_nodes(self, coordinates: Array) -> int:
-        """Return the number of nodes at which the weight is negative."""
-        return int((self._values(*coordinates) < 0).sum())
-
-    def nodes_outside(self, coordinates: Array) -> int:
-        """Return the number of nodes outside the samples of the weight, where the nearest sample counts."""
-        return self.source.outside(*coordinates) if isinstance(self.source, SampledField) else 0
-
-    def _values(self, x: Array, y: Array) -> Array:
-        try:
-            with np.errstate(all="ignore"):
-                if isinstance(self.source, str):
-                    value = _real(evaluate(self.source, {"x": x, "y": y, "pi": np.pi}, _NUMPY_FUNCTIONS))
-                elif is_expression(self.source):
-                    value = _real(compiled_formula(self.source, "")(x, y))
-                else:
-                    value = _real(self.source(x, y) if callable(self.source) else self.source)
-        except GridgenError:
-            raise
-        except Exception as error:  # A user's function may raise anything.
-            raise GridgenError(
-                f"the weight {self.source!r} cannot be evaluated: {error}. It must be a formula in x and y, a function "
-                "of two arrays (x, y), a number, or an array with one value per node or per cell"
-            ) from error
-        if self.per_node and value.shape == (x.shape[0] - 1, x.shape[1] - 1):
-            value = nodal(value)
-        if value.shape not in ((), x.shape):
-            cells = (x.shape[0] - 1, x.shape[1] - 1)
-            raise GridgenError(
-                f"the weight must have one value per node, shape {x.shape}, or an array one per cell, shape {cells}; "
-                f"came {value.shape}. Samples of another grid are given as Weight.on_grid(grid, values)"
-            )
-        return np.ascontiguousarray(np.broadcast_to(value, x.shape))
-
-    def _check(self, value: Array, what: str, x: Array, y: Array) -> None:
-        bad = ~np.isfinite(value)
-        if bad.any():
-            i, j = (int(k) for k in np.argwhere(bad)[0])
-            raise GridgenError(
-                f"the {what} must be finite at every node; it is {value[i, j]} at node ({i}, {j}), "
-                f"x = {x[i, j]:.6g}, y = {y[i, j]:.6g}: check its formula there"
-            )
-        if np.abs(value).max() > LARGEST:
-            i, j = divmod(int(np.abs(value).argmax()), value.shape[1])
-            raise GridgenError(
-                f"the {what} is {value[i, j]:.3g} at node ({i}, {j}), x = {x[i, j]:.6g}, y = {y[i, j]:.6g}, and its "
-                f"square overflows: divide it by a constant (at most {LARGEST:g} is allowed)"
-            )
-
-    def _check_sign(self, value: Array, x: Array, y: Array) -> None:
+    def values(self, coordinates: Array, where: str = "node") -> Array:
+        """Return the weight at points (2, ni, nj), checked as `planes` does; messages call a point `where`."""
+        x, y = coordinates
+        value = self.field.values(x, y, where)
+        _check_size(value, "the weight", coordinates)
         if value.min() < 0 and not self.allow_negative:
             i, j = divmod(int(value.argmin()), value.shape[1])
             raise GridgenError(
-                f"the weight must not be negative: it is {value.min():.6g} at node ({i}, {j}), x = {x[i, j]:.6g}, "
+                f"the weight must not be negative: it is {value.min():.6g} at {where} ({i}, {j}), x = {x[i, j]:.6g}, "
                 f"y = {y[i, j]:.6g}, and the energy has no lower bound then. Add at least {-value.min():.6g} to it, "
                 "take its absolute value, or insist with Weight(..., allow_negative=True) (--allow-negative-weight)"
             )
+        return value
 
-    def _derivative(self, along: str, x: Array, y: Array) -> Array:
-        if isinstance(self.source, str) or is_expression(self.source):
-            with np.errstate(all="ignore"):
-                slope = compiled_formula(self.source, along)(x, y)
-            return np.ascontiguousarray(np.broadcast_to(slope, x.shape)).astype(float)
-        if isinstance(self.source, SampledField) and self.source.derivative is not None:
-            return self.source.derivative(x, y, along.count("x"), along.count("y"))
-        return self._difference(along, x, y)
+    def negative_nodes(self, coordinates: Array) -> int:
+        """Return the number of nodes at which the weight is negative."""
+        return int((self.field.values(coordinates[0], coordinates[1]) < 0).sum())
 
-    def _difference(self, along: str, x: Array, y: Array) -> Array:
-        """Differentiate a function numerically, by central differences with a step that balances round-off."""
-        size = max(float(np.ptp(x)), float(np.ptp(y)))
-        h = size * (6e-6 if len(along) == 1 else 1e-4)
-        shift = {"x": (h, 0.0), "y": (0.0, h)}
-        (ax, ay) = shift[along[0]]
-        if len(along) == 1:
-            return (self._values(x + ax, y + ay) - self._values(x - ax, y - ay)) / (2 * h)
-        (bx, by) = shift[along[1]]
-        return (
-            self._values(x + ax + bx, y + ay + by)
-            - self._values(x + ax - bx, y + ay - by)
-            - self._values(x - ax + bx, y - ay + by)
-            + self._values(x - ax - bx, y - ay - by)
-        ) / (4 * h * h)
+    def nodes_outside(self, coordinates: Array) -> int:
+        """Return the number of nodes outside the samples of the weight, where the nearest sample counts."""
+        return self.field.outside(coordinates[0], coordinates[1])
 
 
-def _real(values: npt.ArrayLike) -> Array:
-    """Return values as an array of real numbers.
-
-    Raises:
-        GridgenError: for complex numbers, text, ragged lists or masked numbers.
-    """
-    try:
-        if np.ma.is_masked(values):
-            raise TypeError("some of them are masked; fill them")
-        array = np.asarray(values)
-        if array.dtype.kind not in "biuf":
-            raise TypeError(f"numbers of type {array.dtype} came")
-        return array.astype(float)
-    except (TypeError, ValueError) as error:
-        raise GridgenError(f"a weight must be real numbers, one or one per node: {error}") from error
+def _check_size(value: Array, name: str, coordinates: Array) -> None:
+    """Refuse values whose squares overflow."""
+    if np.abs(value).max() > LARGEST:
+        i, j = divmod(int(np.abs(value).argmax()), value.shape[1])
+        x, y = coordinates[:, i, j]
+        raise GridgenError(
+            f"{name} is {value[i, j]:.3g} at node ({i}, {j}), x = {x:.6g}, y = {y:.6g}, and its square overflows: "
+            f"divide it by a constant (at most {LARGEST:g} is allowed)"
+        )
 
 
 def as_weight(weight: Weight | Source | None) -> Weight | None:

@@ -38,20 +38,35 @@ def decode(data: bytes) -> Grid:
         GridgenError: if the archive is damaged, holds Python objects, has no such arrays, or is packed so tightly that
             it can hold no grid.
     """
+    arrays = read_arrays(data, (("xy",), ("x", "y")), _EXPECTED)
+    return Grid(arrays["xy"]) if "xy" in arrays else Grid.from_planes(arrays["x"], arrays["y"])
+
+
+def read_arrays(data: bytes, forms: tuple[tuple[str, ...], ...], expected: str) -> dict[str, Array]:
+    """Return arrays of real numbers from a NumPy archive.
+
+    Args:
+        data: the archive.
+        forms: sets of names; the arrays of the first one that is there are read.
+        expected: what the message of an error says of these.
+
+    Raises:
+        GridgenError: if the archive is damaged, holds Python objects, has none of the forms, or is packed so tightly
+            that it would fill the memory.
+    """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             names = {name.removesuffix(".npy"): name for name in archive.namelist()}
-            if "xy" in names:
-                return Grid(_array(archive, names["xy"]))
-            if {"x", "y"} <= names.keys():
-                return Grid.from_planes(_array(archive, names["x"]), _array(archive, names["y"]))
+            for form in forms:
+                if names.keys() >= set(form):
+                    return {name: _array(archive, names[name]) for name in form}
     except GridgenError:
         raise
     except _FAULTS as error:
         raise GridgenError(
-            f"it is no whole NumPy archive ({shortened(error)}); write it again with np.savez(path, xy=xy)"
+            f"it is no whole NumPy archive ({shortened(error)}); write it again with np.savez(path, {forms[0][0]}=...)"
         ) from error
-    raise GridgenError(f"it holds {shortened(', '.join(names)) or 'nothing'}; {_EXPECTED}")
+    raise GridgenError(f"it holds {shortened(', '.join(names)) or 'nothing'}; {expected}")
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> Array:

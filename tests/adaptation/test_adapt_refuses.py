@@ -71,7 +71,7 @@ def test_arguments_that_cannot_be_used_are_refused(options, match):
         (np.ones((3, 3)), r"the solution must have the grid's shape \(9, 9\); came \(3, 3\)"),
         (lambda grid: grid.x[1:], r"the solution on the grid of step 0 must have the grid's shape"),
         (lambda grid: grid.x / 0 * np.nan, "on the grid of step 0 must be finite"),
-        (lambda grid: {}["u"], "cannot be had on the grid of step 0: KeyError"),
+        (lambda grid: {}["u"], "cannot be had on the grid of step 0: your solver raised KeyError"),
         (lambda x, y, z: x, "came one of 3 arguments"),
         ("x + z", "unknown name 'z'"),
     ],

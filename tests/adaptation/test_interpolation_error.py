@@ -53,9 +53,15 @@ def test_a_sympy_expression_is_a_function():
         (SQUARE.xy, "x", None, "expected a Grid, came ndarray"),
         (folded_square(9), "x", None, "on a folded grid nodal values are no function of place"),
         (SQUARE, "x", np.ones(3), r"shape \(11, 11\); came \(3,\)"),
-        (SQUARE, lambda x, y: x[0], None, r"one finite number per point, shape \(11, 11\)"),
-        (SQUARE, lambda x, y: np.where(x > 0.93, np.nan, x), np.ones((11, 11)), "and 10 of them are not finite"),
-        (SQUARE, "x + z", None, "unknown name 'z'"),
+        (SQUARE, lambda x, y: x[0], None, r"function must have one value per node, shape \(11, 11\)"),
+        (
+            SQUARE,
+            lambda x, y: np.where(x > 0.93, np.nan, x),
+            np.ones((11, 11)),
+            r"function must be finite at every Gauss point of a cell; it is nan at Gauss point of a cell \(9, 0\)",
+        ),
+        (SQUARE, "x + z", None, "the function: unknown name 'z'"),
+        (SQUARE, np.ones((11, 11)), None, "must be known everywhere: pass nodal values as `values`"),
     ],
 )
 def test_what_cannot_be_measured_is_refused(grid, function, values, match):

@@ -1,0 +1,155 @@
+"""One field from anything: a formula, a function, samples, or numbers at the nodes or in the cells of a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from ..arrays import Array, real_array
+from ..errors import GridgenError, quoted
+from .formula import Formula, SymbolicFormula, is_expression
+from .function import Function, required_arguments, takes_two_arrays
+from .sampled import SampledField, nodal
+
+if TYPE_CHECKING:
+    import sympy
+
+Source: TypeAlias = "str | float | sympy.Expr | Callable[[Array, Array], npt.ArrayLike] | npt.NDArray[Any]"
+
+
+class Evaluator(Protocol):
+    """What knows the values of a field, and its derivatives, everywhere in the plane."""
+
+    def values(self, x: Array, y: Array) -> npt.ArrayLike:
+        """Return the values at points, or a single number for all of them."""
+
+    def derivatives(self, x: Array, y: Array, along: tuple[str, ...]) -> list[npt.ArrayLike]:
+        """Return the derivatives along `x`, `y`, `xx`, `xy` or `yy`, each as `values` does."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Field:
+    """A scalar field: a function of place, or numbers that belong to the nodes or cells of one grid.
+
+    Attributes:
+        name: what messages call it, such as `the weight`.
+        source: what it was made of.
+        evaluator: of a function of place; None for numbers of one grid.
+        numbers: those of one grid, (ni, nj) or (ni-1, nj-1); None for a function of place.
+    """
+
+    name: str
+    source: Any
+    evaluator: Evaluator | None = None
+    numbers: Array | None = None
+
+    @property
+    def per_node(self) -> bool:
+        """Whether it is given at the nodes or in the cells of one grid only."""
+        return self.numbers is not None
+
+    def values(self, x: Array, y: Array, where: str = "node") -> Array:
+        """Return the values at points, of their shape.
+
+        Args:
+            x: the points; of a field per node, the nodes of its grid.
+            y: the same.
+            where: what messages call a point.
+
+        Raises:
+            GridgenError: for values of another shape or not finite, or that cannot be computed.
+        """
+        if self.evaluator is None:
+            assert self.numbers is not None
+            cells = tuple(count - 1 for count in x.shape)
+            return self._checked(nodal(self.numbers) if self.numbers.shape == cells else self.numbers, x, y, where)
+        return self._checked(self._computed(self.evaluator.values, x, y), x, y, where)
+
+    def derivatives(self, x: Array, y: Array, along: tuple[str, ...]) -> list[Array]:
+        """Return the derivatives along `x`, `y`, `xx`, `xy` or `yy`, each of the shape of the points.
+
+        Raises:
+            GridgenError: as for `values`, and for numbers of one grid, which have no derivatives.
+        """
+        if self.evaluator is None:
+            raise GridgenError(
+                f"{self.name} is an array, and has no derivatives: give a formula, a function, or samples"
+            )
+        found = self._computed(self.evaluator.derivatives, x, y, along)
+        return [
+            self._checked(one, x, y, "node", f"'s derivative along {key}")
+            for one, key in zip(found, along, strict=True)
+        ]
+
+    def outside(self, x: Array, y: Array) -> int:
+        """Return the number of points outside the samples, where the nearest sample counts."""
+        return self.evaluator.outside(x, y) if isinstance(self.evaluator, SampledField) else 0
+
+    def _computed(self, compute: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+        try:
+            return compute(*arguments)
+        except GridgenError:
+            raise
+        except Exception as error:  # A user's function may raise anything.
+            raise GridgenError(
+                f"{self.name} {quoted(str(self.source))} cannot be evaluated: {error!r}. It must be a formula in x and "
+                "y, or a function of two arrays (x, y) that returns an array of their shape"
+            ) from error
+
+    def _checked(self, given: npt.ArrayLike, x: Array, y: Array, where: str, what: str = "") -> Array:
+        """Return values or derivatives as numbers of the points' shape."""
+        value = real_array(given, f"{self.name}{what}", copy=False)
+        if value.shape not in ((), x.shape):
+            each = f"one value per {where}, shape {x.shape}"
+            if where == "node":
+                each += f", or an array one per cell, shape {tuple(count - 1 for count in x.shape)}"
+            raise GridgenError(
+                f"{self.name}{what} must have {each}; came {value.shape}. Samples of another grid are given as "
+                "Weight.on_grid(grid, values)"
+            )
+        bad = ~np.isfinite(value)
+        if bad.any():
+            value, bad = np.broadcast_to(value, x.shape), np.broadcast_to(bad, x.shape)
+            place = tuple(int(k) for k in np.argwhere(bad)[0])
+            raise GridgenError(
+                f"{self.name}{what} must be finite at every {where}; it is {value[place]} at {where} {place}, "
+                f"x = {x[place]:.6g}, y = {y[place]:.6g}: check {'its formula' if self.evaluator else 'it'} there"
+            )
+        return np.ascontiguousarray(np.broadcast_to(value, x.shape))
+
+
+def as_field(given: Field | Source | npt.ArrayLike, name: str) -> Field:
+    """Return a field of anything.
+
+    Args:
+        given: text or a SymPy expression in x and y; a function of two arrays (x, y); samples (`raster_field`,
+            `scattered_field`, `grid_field`); a number; or numbers at the nodes (ni, nj) or in the cells (ni-1, nj-1) of
+            the grid that the field will be used on.
+        name: what messages call it.
+
+    Raises:
+        GridgenError: for what is none of these.
+    """
+    if isinstance(given, Field):
+        return given
+    if isinstance(given, str) or is_expression(given):
+        try:
+            return Field(name, given, Formula(given) if isinstance(given, str) else SymbolicFormula(given))
+        except GridgenError as error:
+            raise GridgenError(f"{name}: {error}") from error
+    if isinstance(given, SampledField):
+        return Field(name, given, given)
+    if callable(given):
+        if not takes_two_arrays(given):
+            raise GridgenError(
+                f"{name} must be a function of two arrays (x, y); came one of {required_arguments(given)} arguments"
+            )
+        return Field(name, given, Function(given))
+    numbers = real_array(given, name)
+    if numbers.ndim:
+        return Field(name, given, numbers=numbers)
+    return Field(name, given, Function(lambda x, y: numbers))

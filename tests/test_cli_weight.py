@@ -1,0 +1,60 @@
+"""The option `--weight`: a formula, samples in a file, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import gridgen_sym as gg
+from gridgen_sym.cli import main
+
+AXIS = np.linspace(0, 1, 31)
+FORMULA = "1 + 4*exp(-10*((x - 0.5)**2 + (y - 0.5)**2))"
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_with_samples(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    x, y = np.meshgrid(AXIS, AXIS, indexing="ij")
+    values = 1 + 4 * np.exp(-10 * ((x - 0.5) ** 2 + (y - 0.5) ** 2))
+    np.savez("raster.npz", x=AXIS, y=AXIS, values=values)
+    samples = np.column_stack((x.ravel(), y.ravel(), values.ravel()))
+    np.savetxt("samples.csv", samples, delimiter=",", header="x,y,value", comments="")
+    np.savez("nodes.npz", values=np.ones((13, 13)))
+
+
+def run(*arguments, code=0):
+    mostly_area = [f"--parameter={one}" for one in ("k_A=0.98", "k_L=0.02", "k_O=0")]
+    shape = ("grid", "square", "--size", "12", "12", "-f", "combined", "-o", "a.npz", *mostly_area)
+    result = CliRunner().invoke(main, [*shape, *arguments])
+    assert result.exit_code == code, result.output
+    return result.output
+
+
+@pytest.mark.parametrize("mode", ["frozen", "differentiated"])
+@pytest.mark.parametrize("file", ["raster.npz", "samples.csv"])
+def test_samples_in_a_file_are_a_weight(file, mode):
+    run("--weight", FORMULA, "--weight-mode", mode)
+    expected = gg.read("a.npz")
+    run("--weight", file, "--weight-mode", mode)
+    assert np.abs(gg.read("a.npz").xy - expected.xy).max() < 2e-3
+    run()
+    assert np.abs(gg.read("a.npz").xy - expected.xy).max() > 1e-2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        (("--weight", "nodes.npz", "--weight-mode", "differentiated"), "an array of weights has no derivatives"),
+        (("--weight", "gone.csv"), "cannot read gone.csv: there is no such file"),
+        (("--weight", "1 + z"), "the weight: unknown name 'z'"),
+        (("--weight-mode", "frozen"), "need a --weight FIELD"),
+    ],
+)
+def test_bad_weights_are_refused(arguments, match):
+    assert match in run(*arguments, code=2)
+
+
+def test_values_at_the_nodes_of_the_start_are_a_weight():
+    assert "converged" in run("--weight", "nodes.npz")
