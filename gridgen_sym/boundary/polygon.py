@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from .predicates import area_sign, orientation, scaled
+from .predicates import area_sign, orientation
 
 _PAIRS = 1 << 20  # Pairs of edges compared at a time: bounds the memory of the sweep.
 
@@ -55,15 +55,15 @@ def proper_crossings(points: Array) -> list[tuple[int, int]]:
 def winding_number(points: Array, at: Array) -> int | None:
     """Return how often a closed polygon (N, 2) winds round a point, counter-clockwise; None on the polygon. Exact."""
     end = np.roll(points, -1, axis=0)
-    up = (points[:, 1] <= at[1]) & (at[1] < end[:, 1])
-    down = (end[:, 1] <= at[1]) & (at[1] < points[:, 1])
-    level = (points[:, 1] == at[1]) & (end[:, 1] == at[1])
-    touched = level & (np.minimum(points[:, 0], end[:, 0]) <= at[0]) & (at[0] <= np.maximum(points[:, 0], end[:, 0]))
-    spans = np.flatnonzero(up | down)
+    low, high = np.minimum(points, end), np.maximum(points, end)
+    spans = np.flatnonzero((low[:, 1] <= at[1]) & (at[1] <= high[:, 1]))
     side = orientation(points[spans], end[spans], at)
-    if touched.any() or (side == 0).any():
+    if ((side == 0) & (low[spans, 0] <= at[0]) & (at[0] <= high[spans, 0])).any():
         return None
-    return int((side[up[spans]] > 0).sum()) - int((side[down[spans]] < 0).sum())
+    # An edge counts with its lower end and without its upper one, so that none counts twice where two meet.
+    start_below, end_below = points[spans, 1] <= at[1], end[spans, 1] <= at[1]
+    up, down = start_below & ~end_below, ~start_below & end_below
+    return int((up & (side > 0)).sum()) - int((down & (side < 0)).sum())
 
 
 def turns(points: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -72,10 +72,7 @@ def turns(points: Array) -> tuple[Array, NDArray[np.bool_]]:
     The turn is in radians, in (-pi, pi), positive to the left; its sign is exact near the ends of that interval,
     so that the sum is 2 pi times a whole number that can be read off. Where the polygon runs back the turn is pi.
     """
-    unit = scaled(points)
-    edge = np.roll(unit, -1, axis=0) - unit
-    length = np.abs(edge).max(axis=1, keepdims=True)
-    edge = np.divide(edge, length, out=np.zeros_like(edge), where=length > 0)
+    edge = _directions(points, np.roll(points, -1, axis=0))
     before = np.roll(edge, 1, axis=0)
     cross = before[:, 0] * edge[:, 1] - before[:, 1] * edge[:, 0]
     dot = (before * edge).sum(axis=1)
@@ -88,10 +85,19 @@ def turns(points: Array) -> tuple[Array, NDArray[np.bool_]]:
     return sign * np.arctan2(np.abs(cross), dot), back
 
 
+def _directions(start: Array, end: Array) -> Array:
+    """Return the directions of edges (n, 2), scaled so that the larger component is 1 or -1; 0 without length."""
+    with np.errstate(over="ignore"):
+        edge = end - start
+    # A difference may overflow, but it does not underflow: halve both ends where it overflows.
+    edge = np.where(np.isfinite(edge).all(axis=1, keepdims=True), edge, end / 2 - start / 2)
+    length = np.abs(edge).max(axis=1, keepdims=True)
+    return np.divide(edge, length, out=np.zeros_like(edge), where=length > 0)
+
+
 def inner_angles(before: Array, at: Array, after: Array) -> Array:
     """Return the angles in degrees, in [0, 360), at points of a counter-clockwise polygon, shapes (n, 2) -> (n,)."""
-    scale = max(float(np.abs(array).max()) for array in (before, at, after)) or 1.0
-    to, back = after / scale - at / scale, before / scale - at / scale
+    to, back = _directions(at, after), _directions(at, before)
     cross = to[:, 0] * back[:, 1] - to[:, 1] * back[:, 0]
     return np.asarray(np.degrees(np.arctan2(cross, (to * back).sum(axis=1))) % 360.0)
 

@@ -37,8 +37,9 @@ def orientation(p: Array, q: Array, r: Array) -> NDArray[np.int8]:
     left, right = u[:, 0] * v[:, 1], u[:, 1] * v[:, 0]
     sign: NDArray[np.int8] = np.sign(left - right).astype(np.int8)
     doubtful = np.abs(left - right) <= _RELATIVE * (np.abs(left) + np.abs(right)) + _UNDERFLOW
-    # A difference of floating-point numbers is 0 only if they are equal: two products with such a factor are exact.
-    doubtful &= ~(((u[:, 0] == 0) | (v[:, 1] == 0)) & ((u[:, 1] == 0) | (v[:, 0] == 0)))
+    # Where each product has a factor that is exactly 0, both are. Scaled differences may also vanish by underflow.
+    q_same, r_same = q == p, r == p
+    doubtful &= ~((q_same[:, 0] | r_same[:, 1]) & (q_same[:, 1] | r_same[:, 0]))
     for k in np.flatnonzero(doubtful):
         sign[k] = _exact_orientation(p[k], q[k], r[k])
     return sign
