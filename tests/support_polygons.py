@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gridgen_sym.certificates.lattice import convex_hull, turn
+from gridgen_sym.certificates.integer_polygons import convex_hull, turn
 
 
 def random_polygon(random, corners=8, size=2**40):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ def first_repeated(points: Array) -> int | None:
     return int(same.argmax()) if same.any() else None
 
 
-def first_crossing(points: Array) -> tuple[int, int] | None:
+def first_crossing(points: Array, check: Callable[[], object] | None = None) -> tuple[int, int] | None:
     """Return the first two edges of a closed polygon that meet otherwise than neighbors do, or None; exact.
 
     Edge k joins point k to point k+1. Edges that touch count as meeting, as do neighbors that run back on
@@ -34,19 +34,23 @@ def first_crossing(points: Array) -> tuple[int, int] | None:
 
     Args:
         points: shape (N, 2), finite.
+        check: called between blocks of very many pairs; what it raises ends the work.
     """
     found: list[tuple[int, int]] = []
     back = turns(points)[1]
-    for a, b in _close_pairs(points):
+    for a, b in _close_pairs(points, check):
         meet = _meet(points, back, a, b)
         found.extend(zip(a[meet].tolist(), b[meet].tolist(), strict=True))
     return min(found, default=None)
 
 
-def proper_crossings(points: Array) -> list[tuple[int, int]]:
-    """Return all pairs of edges a < b of a closed polygon that cross between their ends, sorted; exact."""
+def proper_crossings(points: Array, check: Callable[[], object] | None = None) -> list[tuple[int, int]]:
+    """Return all pairs of edges a < b of a closed polygon that cross between their ends, sorted; exact.
+
+    Arguments as for `first_crossing`.
+    """
     found: list[tuple[int, int]] = []
-    for a, b in _close_pairs(points):
+    for a, b in _close_pairs(points, check):
         crosses = (np.multiply(*_sides(points, a, b)) < 0) & (np.multiply(*_sides(points, b, a)) < 0)
         found.extend(zip(a[crosses].tolist(), b[crosses].tolist(), strict=True))
     return sorted(found)
@@ -92,7 +96,7 @@ def _directions(start: Array, end: Array) -> Array:
     # A difference may overflow, but it does not underflow: halve both ends where it overflows.
     edge = np.where(np.isfinite(edge).all(axis=1, keepdims=True), edge, end / 2 - start / 2)
     length = np.abs(edge).max(axis=1, keepdims=True)
-    return np.divide(edge, length, out=np.zeros_like(edge), where=length > 0)
+    return np.asarray(np.divide(edge, length, out=np.zeros_like(edge), where=length > 0))
 
 
 def inner_angles(before: Array, at: Array, after: Array) -> Array:
@@ -102,8 +106,8 @@ def inner_angles(before: Array, at: Array, after: Array) -> Array:
     return np.asarray(np.degrees(np.arctan2(cross, (to * back).sum(axis=1))) % 360.0)
 
 
-def _close_pairs(points: Array) -> Iterator[Pairs]:
-    """Yield the pairs of edges a < b whose boxes have a point in common, in blocks: a sweep along x."""
+def _close_pairs(points: Array, check: Callable[[], object] | None) -> Iterator[Pairs]:
+    """Yield the pairs of edges a < b whose bounding boxes have a point in common, in blocks: a sweep along x."""
     start = points
     end = np.roll(points, -1, axis=0)
     low, high = np.minimum(start, end), np.maximum(start, end)
@@ -113,6 +117,8 @@ def _close_pairs(points: Array) -> Iterator[Pairs]:
     last = np.searchsorted(low[:, 0], high[:, 0], side="right")
     following = last - np.arange(len(order)) - 1
     for first, stop in _blocks(following):
+        if check is not None and first:
+            check()
         count = following[first:stop]
         a = np.repeat(np.arange(first, stop), count)
         b = a + 1 + np.arange(len(a)) - np.repeat(np.cumsum(count) - count, count)

@@ -1,14 +1,16 @@
-"""Quick proofs, from the boundary nodes alone, that no grid without a folded cell exists.
+"""Quick proofs that no valid grid exists, from the boundary nodes alone.
 
-In a grid whose corner Jacobians are all positive every cell is a convex quadrilateral that is not turned over. So its
+In a grid whose corner Jacobians are all positive every cell is a convex quadrilateral with positive orientation. So its
 corners have angles below 180 degrees, its map covers no point a negative number of times, its boundary turns through
 360 degrees in all, and its area is positive. Each certificate contradicts one of these, by exact arithmetic. A boundary
 that touches or overlaps itself may still have a valid grid: an annulus that is cut open, or a spiral.
 
-All of this is quick. A search (`proofs.py`) takes longer and proves much more.
+A search (`search.py`) takes longer and proves much more.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,26 +20,26 @@ from ..boundary.polygon import first_repeated, inner_angles, proper_crossings, t
 from ..boundary.predicates import area_sign, orientation
 from ..grids.grid import Grid, boundary_indices
 from .certificate import Certificate, point_of, point_text
-from .neck import Node, crowded_nodes
+from .node_constraints import Node, infeasible_nodes
 
-# Of very many crossings so many are tried, each at these distances from it, as fractions of the shorter edge.
+# Of very many crossings the first are tested, each at these distances from it, as fractions of the shorter edge.
 _MOST_CROSSINGS, _DISTANCES = 200, (0.25, 0.05, 0.01, 1e-3)
 
 
-def boundary_proofs(grid: Grid) -> list[Certificate]:
-    """Return the certificates that need no search."""
+def boundary_proofs(grid: Grid, check: Callable[[], object] | None = None) -> list[Certificate]:
+    """Return the certificates that need no search; what `check`, called where it takes long, raises ends the work."""
     index = boundary_indices(*grid.shape)
     ring = np.ascontiguousarray(grid.planes[:, index[:, 0], index[:, 1]].T)
     found = _coincident(ring, index)
     if found:
         return found
     turn, back = turns(ring)
-    with np.errstate(over="ignore", invalid="ignore"):  # Huge coordinates may spoil the place that is told, no proof.
-        found = _crossing(ring, index, None if back.any() else float(turn.sum()))
+    with np.errstate(over="ignore", invalid="ignore"):  # Huge coordinates may spoil a reported point, but no proof.
+        found = _crossing(ring, index, None if back.any() else float(turn.sum()), check)
         if not found and area_sign(ring) <= 0:
             return [_clockwise(ring)]
         found += _corners(ring, index, grid.shape) + _spikes(ring, index, turn, back, grid.shape)
-        return found or _necks(grid)
+        return found or _necks(grid, check)
 
 
 def _coincident(ring: Array, index: NDArray[np.intp]) -> list[Certificate]:
@@ -47,22 +49,26 @@ def _coincident(ring: Array, index: NDArray[np.intp]) -> list[Certificate]:
         return []
     nodes, point = _nodes(index, k, k + 1), point_of(ring[k])
     message = (
-        f"no valid grid exists: the boundary's nodes {nodes[0]} and {nodes[1]} are one point, {point_text(point)}; "
-        "place them apart"
+        f"no valid grid exists: the boundary nodes {nodes[0]} and {nodes[1]} are one point, {point_text(point)}; "
+        "move them apart"
     )
     return [Certificate("coincident", nodes, point, {}, message)]
 
 
-def _crossing(ring: Array, index: NDArray[np.intp], turn: float | None) -> list[Certificate]:
+def _crossing(
+    ring: Array, index: NDArray[np.intp], turn: float | None, check: Callable[[], object] | None
+) -> list[Certificate]:
     """Certify a boundary that crosses itself and winds backwards round some point, or turns too little or too much."""
-    crossings = proper_crossings(ring)
+    crossings = proper_crossings(ring, check)
     numbers: dict[str, float] = {"crossings": len(crossings)}
-    for a, b in crossings[:_MOST_CROSSINGS]:
+    for count, (a, b) in enumerate(crossings[:_MOST_CROSSINGS]):
+        if check is not None and count:
+            check()
         witness = _negative_winding(ring, a, b)
         if witness:
             (x, y), winding = witness
             numbers |= {"winding": winding, "x": x, "y": y}
-            proof = f"it winds {winding} times round {point_text((x, y))}, counted counter-clockwise"
+            proof = f"its winding number, counter-clockwise, about the point {point_text((x, y))} is {winding}"
             return [_crossing_certificate(_nodes(index, a, a + 1, b, b + 1), _meeting(ring, a, b), numbers, proof)]
     whole = 1 if turn is None else round(turn / (2 * np.pi))
     if crossings and abs(whole) != 1:
@@ -77,11 +83,11 @@ def _crossing_certificate(
     nodes: tuple[Node, ...], meeting: Array, numbers: dict[str, float], proof: str
 ) -> Certificate:
     """Return the certificate of two edges that cross, given by their ends."""
-    more = f" (and in {numbers['crossings'] - 1} more places)" if numbers["crossings"] > 1 else ""
+    more = f" (and at {numbers['crossings'] - 1} more points)" if numbers["crossings"] > 1 else ""
     message = (
         f"no valid grid exists: the boundary crosses itself at {point_text(point_of(meeting))}, where the edge "
-        f"{nodes[0]}-{nodes[1]} meets the edge {nodes[2]}-{nodes[3]}{more}; {proof}. Mend the boundary there, or take "
-        "more nodes if it is sampled from a curve that does not cross itself"
+        f"{nodes[0]}-{nodes[1]} meets the edge {nodes[2]}-{nodes[3]}{more}; {proof}. Repair the boundary there, or "
+        "take more nodes if it is sampled from a curve that does not cross itself"
     )
     return Certificate("crossing", nodes, point_of(meeting), numbers, message)
 
@@ -115,7 +121,7 @@ def _meeting(ring: Array, a: int, b: int) -> Array:
 def _clockwise(ring: Array) -> Certificate:
     """Certify a boundary whose area is not positive: the area of a grid is the sum of the areas of its cells."""
     message = (
-        "no valid grid exists: the boundary runs clockwise, or encloses no area. Let it run counter-clockwise: "
+        "no valid grid exists: the boundary runs clockwise, or encloses no area. Make it run counter-clockwise: "
         "exchange left and right, Grid(grid.xy[::-1])"
     )
     return Certificate("clockwise", (), point_of(ring.mean(axis=0)), {}, message)
@@ -123,7 +129,7 @@ def _clockwise(ring: Array) -> Certificate:
 
 def _corners(ring: Array, index: NDArray[np.intp], shape: tuple[int, int]) -> list[Certificate]:
     """Certify logical corners whose three nodes, all fixed, do not turn to the left: J <= 0 there in every grid."""
-    at = _corner_places(*shape)
+    at = _corner_positions(*shape)
     previous, following = ring[at - 1], ring[(at + 1) % len(ring)]
     signs = orientation(previous, ring[at], following)
     angles = inner_angles(previous, ring[at], following)
@@ -134,8 +140,8 @@ def _corners(ring: Array, index: NDArray[np.intp], shape: tuple[int, int]) -> li
         message = (
             f"no valid grid exists: at corner {corner}, node {nodes[1]} at {point_text(point)}, the boundary turns the "
             f"wrong way: its inner angle is {angle:.4g} degrees and must be less than 180, and the node and its two "
-            "neighbors are fixed. What helps: a corner where the boundary turns to the left, more nodes if the curve "
-            "itself turns to the left here, or the neighbors moved along the boundary"
+            "neighbors are fixed. Choose a corner where the boundary turns to the left, take more nodes if the curve "
+            "itself turns to the left here, or move the neighbors along the boundary"
         )
         found.append(Certificate("corner", nodes, point, {"corner": corner, "angle": angle}, message))
     return found
@@ -146,37 +152,37 @@ def _spikes(
 ) -> list[Certificate]:
     """Certify nodes on a side where the boundary runs back on itself: two cells cannot share an angle of 0 or 360."""
     found = []
-    for k in np.setdiff1d(np.flatnonzero(back), _corner_places(*shape)).tolist():
+    for k in np.setdiff1d(np.flatnonzero(back), _corner_positions(*shape)).tolist():
         nodes, point = _nodes(index, k - 1, k, k + 1), point_of(ring[k])
         message = (
             f"no valid grid exists: at node {nodes[1]} at {point_text(point)} the boundary runs back on itself; its "
-            "inner angle is 0 or 360 degrees and must lie between them. Open the spike, or place no node at its tip"
+            "inner angle is 0 or 360 degrees and must lie between them. Open the spike, or move the node from its tip"
         )
         found.append(Certificate("spike", nodes, point, {"angle": 180.0 - float(np.degrees(turn[k]))}, message))
     return found
 
 
-def _necks(grid: Grid) -> list[Certificate]:
-    """Certify inner nodes next to so much boundary that there is no place for them."""
+def _necks(grid: Grid, check: Callable[[], object] | None) -> list[Certificate]:
+    """Certify inner nodes next to so much boundary that they have no feasible position."""
     found = []
-    for node, edges in crowded_nodes(grid):
+    for node, edges in infeasible_nodes(grid, check):
         nodes = (node, *(end for edge in edges for end in edge))
         point = point_of(np.mean([grid.planes[:, i, j] for i, j in nodes[1:]], axis=0))
         lines = ", ".join(f"{s}-{t}" for s, t in edges)
         message = (
-            f"no valid grid exists: round {point_text(point)} there is no place for the inner node {node}, which "
-            f"must lie to the left of each line through the boundary's nodes {lines}. Take more cells across the neck, "
-            "or place the boundary's nodes otherwise there"
+            f"no valid grid exists: near {point_text(point)} the inner node {node} has no feasible position: it "
+            f"must lie to the left of each line through the boundary nodes {lines}. Take more cells across the neck, "
+            "or move the boundary nodes there"
         )
         found.append(Certificate("neck", nodes, point, {}, message))
     return found
 
 
-def _corner_places(ni: int, nj: int) -> NDArray[np.intp]:
-    """Return where the four logical corners stand in `boundary_indices`."""
+def _corner_positions(ni: int, nj: int) -> NDArray[np.intp]:
+    """Return the positions of the four logical corners in `boundary_indices`."""
     return np.array([0, ni - 1, ni + nj - 2, 2 * ni + nj - 3])
 
 
-def _nodes(index: NDArray[np.intp], *places: int) -> tuple[Node, ...]:
-    """Return the indices (i, j) of places in the ring, counted round it."""
-    return tuple((int(i), int(j)) for i, j in index[np.array(places) % len(index)])
+def _nodes(index: NDArray[np.intp], *positions: int) -> tuple[Node, ...]:
+    """Return the indices (i, j) of positions in the ring, counted round it."""
+    return tuple((int(i), int(j)) for i, j in index[np.array(positions) % len(index)])

@@ -1,4 +1,4 @@
-"""How large the Jacobians of a grid would be if the lengths of its boundary's edges alone decided that."""
+"""The Jacobians predicted from the spacing of the boundary nodes."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from ..grids.grid import Grid, boundary_indices
 
 
 def expected_jacobians(grid: Grid) -> Array:
-    """Return the Jacobian at each corner that the boundary's spacing lets expect, as a fraction of the area inside.
+    """Return the Jacobian at each corner predicted from the boundary spacing, as a fraction of the area inside.
 
-    An edge is as long as those of the two opposite sides, and the nearer side counts the more; a Jacobian is the
-    product of two edges, times what makes the sum of all cells' areas that of the inside. Where cells are narrow at a
-    wall, or one side is much shorter than the opposite one, Jacobians are expected to be small; in a neck half-way
-    between two sides they are not.
+    The length of an inner edge is interpolated between the two boundary edges opposite each other on the same grid
+    lines, linearly in the relative arc length. The Jacobian is the product of two edges, scaled so that the areas of
+    all cells sum to that of the inside. So small Jacobians are predicted where cells are narrow at a wall, or where one
+    side is much shorter than the opposite one, but not in a neck half-way between two sides.
 
     Args:
-        grid: any grid with the boundary; its inner nodes do not matter.
+        grid: any grid with the boundary nodes; its inner nodes do not matter.
 
     Returns:
-        An array (4, ni-1, nj-1), corners as in `corner_jacobians`. It is 0 if all edges of two opposite sides are.
+        An array (4, ni-1, nj-1), corners as in `corner_jacobians`. It is 0 if two opposite sides have no length.
     """
     ni, nj = grid.shape
     index = boundary_indices(ni, nj)
     ring = scaled(grid.xy[index[:, 0], index[:, 1]])
-    # Not differences of arc lengths, in which very short edges are lost.
+    # Differences of arc lengths would lose very short edges.
     lengths = np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)
     bottom, right, top, left = np.split(lengths, np.cumsum([ni - 1, nj - 1, ni - 1]))
     top, left = top[::-1], left[::-1]
-    xi, eta = _parts(bottom + top), _parts(left + right)
+    xi, eta = _relative_arc_lengths(bottom + top), _relative_arc_lengths(left + right)
     along_xi = np.outer(bottom, 1 - eta) + np.outer(top, eta)
     along_eta = np.outer(1 - xi, left) + np.outer(xi, right)
     low, high = slice(None, -1), slice(1, None)
@@ -43,6 +43,6 @@ def expected_jacobians(grid: Grid) -> Array:
     return np.asarray(products / (products.sum() / 4 or 1.0))
 
 
-def _parts(lengths: Array) -> Array:
-    """Return how far along a line of edges its nodes are, from 0 to 1."""
+def _relative_arc_lengths(lengths: Array) -> Array:
+    """Return the relative arc length of each node of a line of edges, from 0 to 1."""
     return np.append(0.0, np.cumsum(lengths)) / (lengths.sum() or 1.0)

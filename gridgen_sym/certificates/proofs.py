@@ -1,7 +1,8 @@
-"""Certificates for the boundary of a grid: the quick ones, and those of a search."""
+"""The certificates of a boundary: the quick ones, and those of a search."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -9,10 +10,10 @@ import numpy as np
 from ..errors import GridgenError
 from ..grids.grid import Grid, check_grid
 from .boundary_proofs import boundary_proofs
-from .certificate import Certificate, point_of, point_text
-from .conflict import LITTLE_WORK, Conflict
-from .neck import Node
-from .network import nodes_of
+from .branching import DEFAULT_BUDGET, Conflict
+from .certificate import Certificate, Numbers, point_of, point_text
+from .constraint_network import nodes_of
+from .node_constraints import Node
 from .search import find_conflict, find_sliver
 
 # A message names so many cells, and counts the others.
@@ -20,64 +21,83 @@ _MOST_NAMED = 6
 
 
 def certificates(
-    grid: Grid, *, search: bool = False, work: int = LITTLE_WORK, check: Callable[[], object] | None = None
+    grid: Grid,
+    *,
+    search: bool = False,
+    budget: int = DEFAULT_BUDGET,
+    check: Callable[[], object] | None = None,
+    work: int | None = None,
 ) -> tuple[Certificate, ...]:
-    """Return proofs that the boundary nodes of a grid, which do not move, admit no grid without a folded cell.
+    """Return proofs that no valid grid has the boundary nodes of a grid. The inner nodes do not matter.
 
-    The inner nodes do not matter. None for a valid grid; and no certificate is no proof that a valid grid exists.
-    What follows from another certificate is not listed: a clockwise boundary has four wrong corners.
+    A grid is valid if all four corner Jacobians of every cell are positive. Boundary nodes are fixed at their stored
+    coordinates. The proofs are exact: see `Certificate` for their kinds and their arithmetic. For a valid grid there
+    are none. The absence of a certificate does not imply that a valid grid exists.
+
+    Consequences of another certificate are not listed: a clockwise boundary also has four wrong corners.
 
     Args:
         grid: any grid with the boundary in question, such as `transfinite(bottom, top, left, right)`.
-        search: where there is no certificate otherwise, search near the folded cells of `grid` for cells that cannot
-            all be valid. It finds most on the least folded grid, as `untangle` returns it.
-        work: how many steps each of the few attempts of the search may take, some 50 microseconds each. The
-            default means a few seconds; hard boundaries need a hundred times as many, or are never decided.
-        check: called again and again during the search; what it raises ends it.
+        search: if there is no quick proof, search near the folded cells of `grid` for cells that cannot all be valid.
+            This succeeds most often for a grid with few folded cells, as `untangle` returns it.
+        budget: how many constraints each of the few attempts of the search may apply, at about 50 microseconds each.
+            The default takes a few seconds; hard boundaries need a hundred times as many, or stay undecided.
+        check: called at most a few tenths of a second apart once the search begins; what it raises ends it.
+        work: the old name of `budget`; deprecated.
 
     Raises:
-        GridgenError: if `grid` is no Grid, or `work` no positive whole number.
+        GridgenError: if `grid` is no Grid, or `budget` no positive integer.
     """
-    _check_arguments(grid, work)
-    found = boundary_proofs(grid)
+    budget = _check_arguments(grid, budget, work)
+    found = boundary_proofs(grid, check)
     if search and not found:
-        conflict = find_conflict(grid, work, check)
+        conflict = find_conflict(grid, budget, check)
         found = [_searched(grid, conflict)] if conflict else []
     return tuple(found)
 
 
 def sliver_certificate(
-    grid: Grid, *, work: int = LITTLE_WORK, check: Callable[[], object] | None = None
+    grid: Grid,
+    *,
+    budget: int = DEFAULT_BUDGET,
+    check: Callable[[], object] | None = None,
+    work: int | None = None,
 ) -> Certificate | None:
-    """Return a proof that every valid grid with some boundary nodes, if there is one, has a sliver.
+    """Return a proof that every valid grid with given boundary nodes, if there is one, has a sliver.
 
-    Some corner Jacobian is at most a small part, the smallest for which that was proved of a few from 0.1 to 1e-6, of
-    the area that the lengths of the boundary's edges let expect there. So that corner is nearly folded, or its cell is
-    small: a narrow neck makes cells small in good grids, too. It is meant for boundaries for which neither a valid grid
-    is found nor a proof that there is none, and was found for all but few of these.
+    In every valid grid some corner Jacobian is at most a fraction of the Jacobian predicted from the boundary
+    spacing (`expected_jacobians`): of 0.1, 0.03, ... 1e-6 the smallest for which that was proved. So the corner is
+    nearly folded, or its cell is small, as in a narrow neck. It is meant for boundaries that stay undecided: no valid
+    grid is found, and no proof that there is none. For most of these it exists. The decisions are exact, as for
+    `certificates`, and its absence does not imply anything.
 
     Args:
         grid: as for `certificates`; the search is made near its folded cells.
-        work: as for `certificates`, for each of these parts.
+        budget: as for `certificates`, for each of the fractions.
         check: as for `certificates`.
+        work: the old name of `budget`; deprecated.
 
     Returns:
         A certificate of kind 'sliver'. None if no proof was found, for a valid grid, and where one of the quick
-        `certificates` says more.
+        `certificates` proves more.
 
     Raises:
         GridgenError: as `certificates`.
     """
-    _check_arguments(grid, work)
-    sliver = None if boundary_proofs(grid) else find_sliver(grid, work, check)
+    budget = _check_arguments(grid, budget, work)
+    sliver = None if boundary_proofs(grid, check) else find_sliver(grid, budget, check)
     return _searched(grid, sliver) if sliver else None
 
 
-def _check_arguments(grid: Grid, work: int) -> None:
-    """Raise what `certificates` does."""
+def _check_arguments(grid: Grid, budget: int, work: int | None) -> int:
+    """Return the budget, or raise what `certificates` does."""
     check_grid(grid)
-    if not isinstance(work, (int, np.integer)) or isinstance(work, bool) or work < 1:
-        raise GridgenError(f"work must be a whole number of steps, at least 1; came {work!r}")
+    name, value = ("budget", budget) if work is None else ("work", work)
+    if work is not None:
+        warnings.warn("the argument `work` is called `budget` now", DeprecationWarning, stacklevel=3)
+    if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 1:
+        raise GridgenError(f"{name} must be an integer, at least 1, the number of constraints to apply; came {value!r}")
+    return int(value)
 
 
 def _searched(grid: Grid, conflict: Conflict) -> Certificate:
@@ -86,21 +106,22 @@ def _searched(grid: Grid, conflict: Conflict) -> Certificate:
     nodes = tuple(node for cell in conflict.cells for node in nodes_of(cell))
     fixed = {(i, j) for i, j in nodes if i in (0, ni - 1) or j in (0, nj - 1)}
     point = point_of(np.mean([grid.planes[:, i, j] for i, j in sorted(fixed or set(nodes))], axis=0))
-    cells, place = _cells_text(conflict.cells), point_text(point)
-    help_text = "Take more cells there, or place the boundary's nodes otherwise"
-    numbers: dict[str, float] = {"cells": len(conflict.cells)}
-    if not conflict.share:
+    cells, near = _cells_text(conflict.cells), point_text(point)
+    help_text = "Take more cells there, or move the boundary nodes"
+    numbers, fraction = Numbers(cells=len(conflict.cells)), conflict.jacobian_fraction
+    if not fraction:
         message = (
-            f"no valid grid exists: near {place} there is no room for the inner nodes: wherever they are, "
+            f"no valid grid exists: near {near} there is no room for the inner nodes. Wherever they are, "
             f"not all of {cells} can be valid while every other cell is. {help_text}"
         )
         return Certificate("conflict", nodes, point, numbers, message)
+    numbers["jacobian_fraction"] = fraction
     message = (
-        f"every valid grid, if there is one, has a nearly folded or small cell: near {place} there is little room for "
-        f"the inner nodes: wherever they are, not all corner Jacobians of {cells} can exceed {100 * conflict.share:g} "
-        f"% of the area that the lengths of the boundary's edges let expect there. {help_text}"
+        f"every valid grid, if there is one, has a nearly folded or small cell: near {near} there is little room for "
+        f"the inner nodes. Wherever they are, not all corner Jacobians of {cells} can exceed {100 * fraction:g} "
+        f"% of the area predicted from the boundary spacing. {help_text}"
     )
-    return Certificate("sliver", nodes, point, numbers | {"share": conflict.share}, message)
+    return Certificate("sliver", nodes, point, numbers, message)
 
 
 def _cells_text(cells: tuple[Node, ...]) -> str:

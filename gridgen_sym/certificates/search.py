@@ -1,4 +1,4 @@
-"""Where the search for a proof is made: near the folded cells of a grid, with as few cells as it takes."""
+"""Where a proof is searched for: near the folded cells of a grid, with as few cells as it takes."""
 
 from __future__ import annotations
 
@@ -8,87 +8,91 @@ from dataclasses import replace
 import numpy as np
 
 from ..grids.grid import Grid, corner_jacobians
-from .conflict import LITTLE_WORK, Conflict, contracted_places
-from .neck import Node
+from .branching import DEFAULT_BUDGET, Conflict, prove_conflict
+from .node_constraints import Node
 
-#: Corner Jacobians that all exceed such a part of what the boundary's spacing lets expect are looked for.
-SHARES = (0.1, 0.03, 0.01, 0.003, 0.001, 3e-4, 1e-4, 1e-5, 1e-6)
-#: To show that still fewer cells conflict: so many times the work of the proof that is known, and so much in all.
-_PATIENCE, _ALTOGETHER = 2, 20_000
-#: Cells up to so many cells from a folded one are looked at, at first and then.
+#: The fractions of the expected Jacobians for which a sliver is searched for, in turn.
+JACOBIAN_FRACTIONS = (0.1, 0.03, 0.01, 0.003, 0.001, 3e-4, 1e-4, 1e-5, 1e-6)
+#: To show that fewer cells conflict: largest cost as a multiple of the first proof's, and the cost of all attempts.
+_MOST_TIMES, _ALTOGETHER = 2, 20_000
+#: Cells at most so many cells away from a folded one are searched, at first and then.
 _LAYERS = (3, 9)
 
 
-def find_conflict(grid: Grid, work: int = LITTLE_WORK, check: Callable[[], object] | None = None) -> Conflict | None:
+def find_conflict(
+    grid: Grid, budget: int = DEFAULT_BUDGET, check: Callable[[], object] | None = None
+) -> Conflict | None:
     """Search near the folded cells of a grid for a proof that no valid grid has its boundary nodes.
 
     Args:
-        grid: any grid; its folds are hints where to search, and the less folded it is, the better. Where its inner
-            nodes are does not matter otherwise.
-        work: how many rules may be used in each of a few attempts, which bounds the time.
-        check: called again and again; what it raises ends the search.
+        grid: any grid; its folded cells show where to search, and the fewer there are, the better. The positions of
+            its inner nodes do not matter otherwise.
+        budget: how many constraints each of a few attempts may apply, which bounds the time.
+        check: called often; what it raises ends the search.
 
     Returns:
         Cells that conflict, as few as are found. None if no proof was found.
     """
-    found = _first_conflict(grid, work, 0.0, check)
+    found = _first_conflict(grid, budget, 0.0, check)
     return found and _fewest(grid, found, check)
 
 
-def find_sliver(grid: Grid, work: int = LITTLE_WORK, check: Callable[[], object] | None = None) -> Conflict | None:
-    """Search near the folded cells of a grid for a proof that every grid has a sliver: a small corner Jacobian.
+def find_sliver(grid: Grid, budget: int = DEFAULT_BUDGET, check: Callable[[], object] | None = None) -> Conflict | None:
+    """Search near the folded cells of a grid for a proof that every valid grid has a small corner Jacobian.
 
     Args:
         grid: as in `find_conflict`.
-        work: as in `find_conflict`, for each share.
+        budget: as in `find_conflict`, for each fraction.
         check: as in `find_conflict`.
 
     Returns:
-        Cells that conflict at the smallest share, of a few, for which a proof was found. None if none was.
+        Cells that conflict at the smallest of `JACOBIAN_FRACTIONS` for which a proof was found. None if there is none.
     """
     best = None
-    for share in SHARES:
-        # Cells that conflict at one share often do so at the next, and few of them take little work.
-        found = best and contracted_places(grid, best.cells, work, share=share, check=check)
-        if not isinstance(found, Conflict):
-            found = _first_conflict(grid, work, share, check)
+    for fraction in JACOBIAN_FRACTIONS:
+        # Cells that conflict at one fraction often do so at the next, and few of them cost little.
+        found = best and prove_conflict(grid, best.cells, budget, jacobian_fraction=fraction, branch=True, check=check)
+        found = found or _first_conflict(grid, budget, fraction, check)
         if found is None:
             break
         best = _fewest(grid, found, check)
     return best
 
 
-def _first_conflict(grid: Grid, work: int, share: float, check: Callable[[], object] | None) -> Conflict | None:
-    """Return the first cells that are found to conflict: near folds, and without cases, first."""
+def _first_conflict(grid: Grid, budget: int, fraction: float, check: Callable[[], object] | None) -> Conflict | None:
+    """Return the first cells that are found to conflict: near folded cells, and without branching, first."""
     before: set[Node] = set()
     for layers in _LAYERS:
-        cells = _near_folds(grid, layers)
-        for cases in (False, True):
+        cells = _near_folded_cells(grid, layers)
+        for branch in (False, True):
             if cells and cells != before:
-                found = contracted_places(grid, cells, work, share=share, cases=cases, check=check)
-                if isinstance(found, Conflict):
+                found = prove_conflict(grid, cells, budget, jacobian_fraction=fraction, branch=branch, check=check)
+                if found:
                     return found
         before = cells
     return None
 
 
-def _near_folds(grid: Grid, layers: int) -> set[Node]:
-    """Return the cells up to some cells from a folded one."""
+def _near_folded_cells(grid: Grid, layers: int) -> set[Node]:
+    """Return the cells that are at most so many cells away from a folded one."""
     with np.errstate(over="ignore", invalid="ignore"):
-        folded = np.argwhere(~(corner_jacobians(grid.x, grid.y) > 0).all(axis=0))
-    near = np.zeros((grid.shape[0] - 1, grid.shape[1] - 1), dtype=bool)
-    for i, j in folded:
-        near[max(i - layers, 0) : i + layers + 1, max(j - layers, 0) : j + layers + 1] = True
-    return {(int(i), int(j)) for i, j in np.argwhere(near)}
+        near = ~(corner_jacobians(grid.x, grid.y) > 0).all(axis=0)
+    for axis in (0, 1):
+        padded = np.pad(near, [(layers, layers) if axis == other else (0, 0) for other in (0, 1)])
+        near = np.lib.stride_tricks.sliding_window_view(padded, 2 * layers + 1, axis).any(axis=-1)
+    return {(i, j) for i, j in np.argwhere(near).tolist()}
 
 
 def _fewest(grid: Grid, conflict: Conflict, check: Callable[[], object] | None) -> Conflict:
-    """Leave out cells of a conflict as long as the others still conflict, and that is shown with as little work."""
-    kept, each, left = conflict.cells, _PATIENCE * conflict.work, _ALTOGETHER
+    """Leave out cells of a conflict as long as the others still conflict and the proof costs little."""
+    kept, each, left = conflict.cells, _MOST_TIMES * conflict.cost, _ALTOGETHER
+    fraction = conflict.jacobian_fraction
     for cell in conflict.cells:
         if cell in kept and left > 0:
             others = [other for other in kept if other != cell]
-            fewer = contracted_places(grid, others, each, share=conflict.share, cases=conflict.cases, check=check)
-            left -= fewer.work if isinstance(fewer, Conflict) else each
-            kept = fewer.cells if isinstance(fewer, Conflict) else kept
+            fewer = prove_conflict(
+                grid, others, each, jacobian_fraction=fraction, branch=conflict.branched, check=check
+            )
+            left -= fewer.cost if fewer else each
+            kept = fewer.cells if fewer else kept
     return replace(conflict, cells=kept)

@@ -28,7 +28,7 @@ _NAMES = {
     "clockwise": "the boundary runs clockwise",
     "corner": "corner {corner:.0f} has {angle:.4g} degrees",
     "spike": "the boundary runs back",
-    "neck": "no place for an inner node",
+    "neck": "no feasible position for an inner node",
     "conflict": "{cells:.0f} cells cannot all be valid",
     "sliver": "one of {cells:.0f} cells is a sliver",
 }
@@ -58,8 +58,8 @@ def plot_certificates(
     figure = new_figure(4.2 * (1 + len(shown)), 4.6)
     whole = figure.add_subplot(1, 1 + len(shown), 1)
     more = f", {len(shown)} of {len(found)} shown" if len(found) > len(shown) else ""
-    told = "no valid grid exists" if any(proof.impossible for proof in found) else "every valid grid has a sliver"
-    draw_grid(whole, grid, f"{told}{more}")
+    title = "no valid grid exists" if any(proof.impossible for proof in found) else "every valid grid has a sliver"
+    draw_grid(whole, grid, f"{title}{more}")
     for number, certificate in enumerate(shown, start=1):
         _label(whole, certificate.point, str(number))
         axes = figure.add_subplot(1, 1 + len(shown), 1 + number)
@@ -126,6 +126,6 @@ def _edges(nodes: Array, kind: str) -> list[Array]:
 
 
 def _label(axes: Axes, point: tuple[float, float], text: str) -> None:
-    """Mark a place with a ring and a number."""
+    """Mark a point with a ring and a number."""
     axes.plot(*point, marker="o", markersize=12, markerfacecolor="none", markeredgecolor=ALARM, zorder=8)
     axes.annotate(text, point, xytext=(9, 7), textcoords="offset points", color=ALARM, fontsize=11, weight="bold")

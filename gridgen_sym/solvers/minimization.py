@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..arrays import Array
 from ..boundary.predicates import area_sign
 from ..certificates import Certificate, certificates, sliver_certificate
-from ..certificates.conflict import LITTLE_WORK, WORK
+from ..certificates.branching import DEFAULT_BUDGET, LARGE_BUDGET
 from ..functionals.definition import Functional
 from ..grids import Grid, corner_jacobians, quality
 from ..grids.grid import boundary_indices
@@ -110,27 +110,29 @@ class Run:
         All searches are short at first, and long where these do not help. Where not even that is proved, that every
         grid has a sliver, there mostly is a valid one.
         """
-        self.proofs = self._search(LITTLE_WORK)
+        self.proofs = self._search(DEFAULT_BUDGET)
         if self.proofs:
             return False
         if unfold_from_middles(self.problem, self.coordinates, self.report):
             return True
-        self.proofs = self._search_sliver(LITTLE_WORK)
-        if not self.proofs and unfold_from_middles(self.problem, self.coordinates, self.report, WORK):
+        self.proofs = self._search_sliver(DEFAULT_BUDGET)
+        if not self.proofs and unfold_from_middles(self.problem, self.coordinates, self.report, LARGE_BUDGET):
             return True
-        self.proofs = self._search(WORK) or self.proofs or self._search_sliver(WORK)
+        self.proofs = self._search(LARGE_BUDGET) or self.proofs or self._search_sliver(LARGE_BUDGET)
         return False
 
-    def _search(self, work: int) -> tuple[Certificate, ...]:
+    def _search(self, budget: int) -> tuple[Certificate, ...]:
         """Search for proofs that no valid grid has this boundary."""
         self.report.display("searching for a proof that there is no valid grid")
         grid = Grid.from_planes(*self.coordinates)
-        return certificates(grid, search=True, work=work, check=self.report.deadline.check)
+        return certificates(grid, search=True, budget=budget, check=self.report.deadline.check)
 
-    def _search_sliver(self, work: int) -> tuple[Certificate, ...]:
+    def _search_sliver(self, budget: int) -> tuple[Certificate, ...]:
         """Search for the proof that every grid of this boundary has a sliver."""
         self.report.display("searching for a proof that every valid grid has a nearly folded or small cell")
-        sliver = sliver_certificate(Grid.from_planes(*self.coordinates), work=work, check=self.report.deadline.check)
+        sliver = sliver_certificate(
+            Grid.from_planes(*self.coordinates), budget=budget, check=self.report.deadline.check
+        )
         return (sliver,) if sliver else ()
 
     @property
@@ -183,7 +185,7 @@ class Run:
 
 #: What is said where there is neither a valid grid nor a proof.
 _NO_PROOF = (
-    "No proof was found that there is no valid grid; certificates(grid, search=True, work=...) searches longer. "
+    "No proof was found that there is no valid grid; certificates(grid, search=True, budget=...) searches longer. "
     "More nodes, other corners or another spacing of the boundary nodes may help."
 )
 #: What is said of a result whose start was folded.

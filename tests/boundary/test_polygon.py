@@ -1,4 +1,4 @@
-"""Closed polygons against plain rational arithmetic: on few whole numbers, where all is degenerate, and at any scale."""
+"""Closed polygons against plain rational arithmetic: of few whole numbers, all degenerate, and at any scale."""
 
 from __future__ import annotations
 
@@ -104,7 +104,6 @@ def test_where_a_polygon_meets_itself_is_exact(points):
     for a, b in combinations(range(count), 2):
         if b - a == 1 or (a, b) == (0, count - 1):
             shared = b if b - a == 1 else a
-            neighbors_meet = back[shared] or (count == 3 and back[a if shared == b else b])
             wrong += [(a, b)] if back[shared] else []
         elif meet(edges[a], edges[b]):
             wrong.append((a, b))

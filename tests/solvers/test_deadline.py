@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import import_module
+from time import process_time
 from types import SimpleNamespace
 
 import numpy as np
@@ -140,6 +142,23 @@ def test_a_search_for_a_proof_asks():
     assert gg.certificates(start, check=over) == ()
     backwards = gg.Grid(start.xy[::-1])
     assert gg.certificates(backwards, search=True, check=over)[0].kind == "clockwise", "no search is needed"
+
+
+@pytest.mark.parametrize("prove", [partial(gg.certificates, search=True), gg.sliver_certificate])
+def test_a_search_in_a_large_grid_asks_often(prove):
+    """Every cell is folded, and each of its four hundred boundary nodes is an obstacle."""
+    xy = gg.domain("swan", 101, 101).xy
+    xy[1:-1, 1:-1] = np.random.default_rng(0).permutation(xy[1:-1, 1:-1].reshape(-1, 2)).reshape(99, 99, 2)
+    times = [process_time()]
+
+    def check():
+        times.append(process_time())
+        if times[-1] > times[0] + 2:
+            raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        prove(gg.Grid(xy), budget=10**6, check=check)
+    assert np.diff(times).max() < 0.3
 
 
 def test_the_search_for_middles_asks(monkeypatch):

@@ -6,7 +6,7 @@ import pytest
 from support_boundaries import grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
-from gridgen_sym.certificates.conflict import LITTLE_WORK, WORK
+from gridgen_sym.certificates.branching import DEFAULT_BUDGET, LARGE_BUDGET
 from gridgen_sym.solvers import minimization as run
 from gridgen_sym.solvers.run.deadline import StopRequest
 
@@ -23,21 +23,21 @@ def stages(monkeypatch):
 
     def prepare(does):
         def reach(stage, work, nothing):
-            seen.append(f"{'short' if work == LITTLE_WORK else 'long'} {stage}")
+            seen.append(f"{'short' if work == DEFAULT_BUDGET else 'long'} {stage}")
             outcome = does.get(seen[-1], nothing)
             if isinstance(outcome, BaseException):
                 raise outcome
             return outcome
 
-        def certificates(grid, *, search=False, work=WORK, check=None):
-            return reach("search", work, ()) if search and check() else ()
+        def certificates(grid, *, search=False, budget=LARGE_BUDGET, check=None):
+            return reach("search", budget, ()) if search and check() else ()
 
-        def lift(problem, coordinates, report, work=LITTLE_WORK):
+        def lift(problem, coordinates, report, work=DEFAULT_BUDGET):
             return reach("lift", work, False)
 
         monkeypatch.setattr(run, "certificates", certificates)
         monkeypatch.setattr(
-            run, "sliver_certificate", lambda grid, *, work, check: check() and reach("sliver", work, None)
+            run, "sliver_certificate", lambda grid, *, budget, check: check() and reach("sliver", budget, None)
         )
         monkeypatch.setattr(run, "unfold_from_middles", lift)
         return seen

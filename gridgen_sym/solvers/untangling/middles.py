@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...arrays import Array
-from ...certificates.conflict import LITTLE_WORK, Conflict, contracted_places
+from ...certificates.branching import DEFAULT_BUDGET, Conflict, feasible_regions
 from ...grids import Grid, transfinite
 from ..problem import Problem
 from ..run.deadline import Deadline
@@ -33,7 +33,7 @@ _LAYERS = (3, 9)
 _SHARES = (0.1, 0.01, 1e-3, 1e-4, 1e-6)
 
 
-def unfold_from_middles(problem: Problem, coordinates: Array, progress: Progress, work: int = LITTLE_WORK) -> bool:
+def unfold_from_middles(problem: Problem, coordinates: Array, progress: Progress, work: int = DEFAULT_BUDGET) -> bool:
     """Unfold what is left of a few folds, in place, each in a window of its own; return whether the grid is valid.
 
     What does not lead to less folded cells is undone. It ends when every window was looked at in every frame, and each
@@ -76,7 +76,7 @@ def _starts(window: Array, free: npt.NDArray[np.bool_], deadline: Deadline, work
     There are none if its sides admit no grid whose corner Jacobians exceed the least share.
     """
     for share in _SHARES:
-        places = contracted_places(Grid.from_planes(*window), work=work, share=share, check=deadline.check)
+        places = feasible_regions(Grid.from_planes(*window), budget=work, jacobian_fraction=share, check=deadline.check)
         if not isinstance(places, Conflict):
             start = window.copy()
             for node, parts in places.items():

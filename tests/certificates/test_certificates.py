@@ -12,7 +12,7 @@ from support_boundaries import boundary_grids, closed_curves, grid_of_ring, vali
 import gridgen_sym as gg
 from gridgen_sym.boundary.polygon import first_crossing, proper_crossings, winding_number
 from gridgen_sym.boundary.predicates import area_sign, orientation
-from gridgen_sym.certificates.neck import crowded_nodes
+from gridgen_sym.certificates.node_constraints import infeasible_nodes
 from gridgen_sym.certificates.proofs import _cells_text
 from gridgen_sym.grids import corner_jacobians
 from gridgen_sym.grids.grid import boundary_indices
@@ -168,7 +168,7 @@ def neck(lean):
     return gg.transfinite(bottom, top, ends, ends + np.array([6, 0]))
 
 
-def test_a_neck_without_a_place_for_its_node():
+def test_a_neck_without_a_position_for_its_node():
     assert kinds(neck(0.0)) == []
     assert gg.optimize(neck(0.0), "winslow").quality.valid
     (found, *_) = gg.certificates(neck(0.8))
@@ -188,7 +188,7 @@ def test_a_neck_without_a_place_for_its_node():
 @settings(max_examples=60)
 @given(st.integers(0, 10**6), st.floats(0.1, 0.6))
 def test_of_3_x_3_nodes_there_is_a_certificate_or_a_valid_grid(seed, noise):
-    """Every Jacobian is affine in the one inner node: a linear programme says whether some place makes all positive."""
+    """Every Jacobian is affine in the one inner node: a linear program says whether a position makes all positive."""
     from scipy.optimize import linprog
 
     xy = gg.domain("square", 3, 3).xy
@@ -213,11 +213,11 @@ def test_of_3_x_3_nodes_there_is_a_certificate_or_a_valid_grid(seed, noise):
 def test_necks_agree_with_linear_programming(seed):
     from scipy.optimize import linprog
 
-    from gridgen_sym.certificates.neck import _constraints
+    from gridgen_sym.certificates.node_constraints import _constraints
 
     random = np.random.default_rng(seed)
     grid = gg.Grid(random.random((3, 4, 2)))
-    found = {node for node, _ in crowded_nodes(grid)}
+    found = {node for node, _ in infeasible_nodes(grid)}
     for node in ((1, 1), (1, 2)):
         rows, sides = [], []
         for s, t in _constraints(node, 3, 4):
