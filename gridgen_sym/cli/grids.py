@@ -57,7 +57,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
 @click.option("--keep-valid/--no-keep-valid", default=None, help="Whether a valid grid may not fold on the way.")
 @click.option("--interior-only", is_flag=True, help="Sum over corners at inner nodes only (newton and local).")
-@click.option("--backend", type=click.Choice(("c", "numpy")), help="Compiled or not.  [default: c if possible]")
+@click.option("--backend", metavar="NAME", help="c, numpy, or one that is installed.  [default: c if possible]")
 @click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
 @functionals_option
 def grid(input: str, name: str, output: str | None, plot: str | None, quiet: bool, **options: Any) -> None:  # noqa: ANN401
