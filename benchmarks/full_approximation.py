@@ -7,7 +7,7 @@ that moves one node at a time smooths in one direction only where cells are stre
 linear systems solve for whole lines, and one nonlinear sweep, with its line search, costs about 13 passes of energy
 and gradient.
 
-The cycle is that of Brandt (1977), as Nash (2000) has it for minimisation: sweeps, coordinates injected into the grid
+The cycle is that of Brandt (1977), as Nash (2000) has it for minimization: sweeps, coordinates injected into the grid
 of every second node, the gradient restricted by full weighting, a linear term -b.x that makes the coarse energy's
 gradient the fine one's, and the coarse change interpolated and taken as far as it lowers the energy and folds
 nothing.

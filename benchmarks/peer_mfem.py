@@ -19,7 +19,7 @@ _STEPS = 200
 
 
 def tmop(grid: gg.Grid, clock: Clock) -> str:
-    """Minimise; one Newton step at a time, so that the energy can be looked at between them."""
+    """Minimize; one Newton step at a time, so that the energy can be looked at between them."""
     ni, nj = grid.shape
     mesh = mfem.Mesh.MakeCartesian2D(ni - 1, nj - 1, mfem.Element.QUADRILATERAL, False, 1.0, 1.0, False)
     collection = mfem.H1_FECollection(1, 2)

@@ -88,7 +88,7 @@ def _numbers(shape: tuple[int, int]) -> Any:
 
 
 def newton(planes: Array, clock: Clock) -> str:
-    """Minimise from (2, ni, nj) coordinates; indefinite steps that lead uphill are replaced by their opposite."""
+    """Minimize from (2, ni, nj) coordinates; indefinite steps that lead uphill are replaced by their opposite."""
     number = _numbers(planes.shape[1:])
     unknowns = 2 * (planes.shape[1] - 2) * (planes.shape[2] - 2)
     entries = 144 * (planes.shape[1] - 1) * (planes.shape[2] - 1)

@@ -17,7 +17,7 @@ class _ReachedError(Exception):
 
 
 def solve(peer: str, grid: gg.Grid, clock: Clock) -> str:
-    """Minimise with the solver of this name; return why it stopped."""
+    """Minimize with the solver of this name; return why it stopped."""
     if peer == "gridgen_sym":
         return _own(grid, clock)
     if peer == "numba_superlu":

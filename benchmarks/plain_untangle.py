@@ -1,4 +1,4 @@
-"""The textbook's untangling, as a baseline: regularised barrier, no coarse grids, epsilon as in the paper.
+"""The textbook's untangling, as a baseline: regularized barrier, no coarse grids, epsilon as in the paper.
 
 Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, "Foldover-free maps in 50 lines of code", equation 6, with
 ten Newton steps for each epsilon, with the positive semidefinite Hessian. The kernels are the project's.

@@ -23,7 +23,7 @@ local = gg.optimize(start, "smooth", "local", parameters={"k": 0.5}, tolerance=1
 
 assert newton.converged
 assert newton.quality.valid
-# Both methods minimise the same energy.
+# Both methods minimize the same energy.
 assert abs(local.energy / newton.energy - 1) < 1e-8
 print(newton.quality)
 gg.plot_grids([("the start", start), ("smooth", newton.grid)], "smooth.png")

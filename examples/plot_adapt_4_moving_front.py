@@ -2,7 +2,7 @@
 ========================
 
 Burgers' equation u_t + u u_x + u u_y = nu Laplacian u, with an exact solution: a front that runs from one corner of the
-square towards the other. Fifty steps in time, by Crank and Nicolson's rule and bilinear elements of scikit-fem. In each
+square toward the other. Fifty steps in time, by Crank and Nicolson's rule and bilinear elements of scikit-fem. In each
 step the grid of the last one is where the adaptation starts, the values are carried to every grid that is tried, and
 the step in time is solved there. No cell folds, and the error is about a third of that on the uniform grid with as many
 nodes; what is left of it grows with the number of times that the values are carried.

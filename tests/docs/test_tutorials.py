@@ -14,7 +14,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "tutorials"
-TUTORIALS = [*sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md"), ROOT / "docs" / "index.md"]
+TUTORIALS = [
+    *sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md"),
+    *(ROOT / "docs" / name for name in ("index.md", "explanations/certificates.md")),
+]
 BLOCK = re.compile(
     r"(?P<place><!-- in: repository -->\n)?"
     r"^```(?P<kind>\{code-block\} \w+\n:caption: (?P<file>\S+)|\w+)\n(?P<text>.*?)^```$",

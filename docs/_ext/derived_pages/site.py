@@ -9,12 +9,17 @@ from gridgen_sym.codegen.render import render_page
 from gridgen_sym.documentation.functional_page import write_functional_page, write_if_changed
 from gridgen_sym.functionals import functional, functionals, is_builtin
 from gridgen_sym.symbolic import classify
+from gridgen_sym.symbolic.report.latex import latex
 
 from .paper_pages import write_paper_pages
 from .reference_pages import write_reference_pages
 
 #: Files of the repository that other pages link to, and the pages of the site that show them.
-_PAGES_OF_FILES = {"../benchmarks/README.md": "benchmarks_method.md", "../CHANGELOG.md": "reference/changelog.md"}
+_PAGES_OF_FILES = {
+    "../benchmarks/README.md": "benchmarks_method.md",
+    "../CHANGELOG.md": "reference/changelog.md",
+    "../CONTRIBUTING.md": "reference/contributing.md",
+}
 
 
 def setup(app: Any) -> dict[str, bool]:  # noqa: ANN401 - Sphinx may be missing where this is read
@@ -51,4 +56,5 @@ def _write_functionals(folder: Path) -> None:
         write_functional_page(one.functional, folder)
     for page in set(folder.glob("*.md")) - {folder / f"{one.functional.name}.md" for one in found}:
         page.unlink()
-    write_if_changed(folder / "index.md", render_page("functionals_index.md.jinja", found=found))
+    densities = {one.functional.name: latex(one.functional.expression()) for one in found}
+    write_if_changed(folder / "index.md", render_page("functionals_index.md.jinja", found=found, densities=densities))
