@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from limits import Handwritten, Limits, measure_limits
-from measure import COLORS, MARKERS, Table, fastest, start_grid, threads
+from measure import STYLES, Table, fastest, start_grid, threads
 
 import gridgen_sym as gg
 from gridgen_sym.arrays import Array
@@ -183,10 +183,10 @@ def _roofline(path: Path, rates: Rates, limits: dict[int, Limits]) -> None:
         roof = np.minimum(intensity * limit.bandwidth, limit.multiply_adds) / 1e9
         axis.loglog(intensity, roof, color="0.3", label="memory and multiply-adds")
         operations = kernels(gg.functional("winslow")).operations
-        for place, (kernel, work) in enumerate(_WORK.items()):
+        for (kernel, work), (color, marker) in zip(_WORK.items(), STYLES[: len(_WORK)], strict=True):
             flops = sum(operations[program] * times for program, times in work.programs)
             rate = flops * rates["winslow", kernel, count] / 1e9
-            axis.loglog([flops / work.bytes], [rate], MARKERS[place % 8], color=COLORS[place % 8], label=kernel)
+            axis.loglog([flops / work.bytes], [rate], marker, color=color, label=kernel)
         axis.set(title=f"winslow, 1024 x 1024, {count} thread{'s' * (count > 1)}", xlabel="operations per byte")
         axis.grid(True, color="0.88")
     axes[0].set_ylabel("GFlop/s")

@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
@@ -19,8 +18,11 @@ from gridgen_sym.runtime import find_compiler
 FOLDER = Path(__file__).resolve().parent
 OUTLINES = FOLDER.parent / "examples" / "outlines"
 #: Colors that remain distinct for color-blind readers.
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#8C8C8C")
-MARKERS = "osD^vP*X"
+#: The styles of series: each has its own color and its own marker.
+STYLES = (
+    ("#0072B2", "o"), ("#D55E00", "s"), ("#009E73", "D"), ("#CC79A7", "^"), ("#56B4E9", "v"), ("#E69F00", "P"),
+    ("#000000", "*"), ("#8C8C8C", "X"), ("#7B3F00", "h"), ("#882255", "<"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,9 +159,9 @@ def plot(path: Path, panels: Sequence[tuple[str, Series]], xlabel: str, ylabel: 
         1, len(panels), figsize=(5.2 * len(panels), 4.8), sharey=True, squeeze=False, layout="constrained"
     )
     for axis, (title, series) in zip(axes[0], panels, strict=True):
-        for place, (name, (x, y)) in enumerate(series.items()):
-            style: dict[str, Any] = {"color": COLORS[place % 8], "marker": MARKERS[place % 8]}
-            axis.loglog(x, y, label=name, markersize=5, linewidth=1.5, **style)
+        # Too many series are an error: two of one color could not be told apart.
+        for (name, (x, y)), (color, marker) in zip(series.items(), STYLES[: len(series)], strict=True):
+            axis.loglog(x, y, label=name, markersize=5, linewidth=1.5, color=color, marker=marker)
         axis.set(title=title, xlabel=xlabel)
         axis.grid(True, which="major", color="0.88")
         sizes = sorted({value for x, _ in series.values() for value in x})

@@ -161,7 +161,8 @@ def _mark_folds(ax: Axes, grid: Grid) -> None:
     )
     ax.legend(
         loc="upper center",
-        bbox_to_anchor=(0.5, -0.08),
+        bbox_to_anchor=(0.5, 0.0),
+        borderaxespad=2.6,  # Below the tick labels, however low the axes are: in units of the font's size.
         fontsize=8,
         frameon=False,
         markerscale=1 if count <= 200 else 2,

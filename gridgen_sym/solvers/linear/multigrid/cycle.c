@@ -5,7 +5,7 @@ enum { COARSEST_SWEEPS = 4 };
 /* The residual of a row, in its place of `work`. */
 APART void residual_row(const float *restrict a, const float *restrict right, const float *restrict x,
                         float *restrict residual, int64_t nj, int64_t S) {
-  const int64_t R = PLANES * S;
+  UNUSED const int64_t R = PLANES * S;
 #pragma omp simd
   for (int64_t j = 1; j < nj - 1; ++j) {
     float sx = OWN(a, 0) * x[j] + OWN(a, 1) * x[S + j], sy = OWN(a, 2) * x[j] + OWN(a, 3) * x[S + j];
@@ -47,7 +47,7 @@ static void restrict_residual(const Level *fine, const Level *coarse, Team team)
     if (coarse->ni != fine->ni) gather_rows(row - 2 * S, row + 2 * S, row, 2 * S);
     for (int c = 0; c < 2; ++c) {
       if (nj == fine->nj)
-        memcpy(to + c * C + 1, row + c * S + 1, (nj - 2) * sizeof(float));
+        memcpy(to + c * C + 1, row + c * S + 1, (size_t)(nj - 2) * sizeof(float));
       else
         gather_columns(row + c * S, to + c * C, nj);
       for (int64_t j = 1; j < nj - 1; ++j) to[c * C + j] = fixed[j] ? 0.0f : to[c * C + j];

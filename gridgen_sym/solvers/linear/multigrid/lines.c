@@ -11,9 +11,9 @@
 /* r of a row; where the solution is zero off the lines, only the right-hand side. */
 APART void line_right(const float *restrict a, const float *restrict right, const float *restrict x, float *restrict r,
                       int64_t nj, int64_t S, int from_zero) {
-  const int64_t R = PLANES * S;
+  UNUSED const int64_t R = PLANES * S;
   if (from_zero) {
-    memcpy(r, right, 2 * S * sizeof(float));
+    memcpy(r, right, (size_t)(2 * S) * sizeof(float));
     return;
   }
 #pragma omp simd
@@ -77,7 +77,7 @@ static void relax_along_j(const Level *level, Team team, int parity, int from_ze
 APART void eliminate_row(const float *restrict a, const float *restrict p, const float *restrict right,
                          const float *restrict x, const float *restrict before, float *restrict g, int64_t begin,
                          int64_t end, int64_t S) {
-  const int64_t R = PLANES * S;
+  UNUSED const int64_t R = PLANES * S;
 #pragma omp simd
   for (int64_t j = begin; j < end; ++j) {
     float sx = 0.0f, sy = 0.0f;

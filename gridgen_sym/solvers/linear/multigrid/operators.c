@@ -15,8 +15,8 @@ INLINE int node_between(int64_t coarse, int64_t coarse_count, int64_t fine_count
 /* Set the finest operator: planes (PLANES, ni, nj) times a factor, without couplings to fixed nodes. */
 EXPORT void take_planes(const Level *level, const double *planes, double factor) {
   const int64_t ni = level->ni, nj = level->nj, S = level->stride, R = PLANES * S;
-  memset(level->operator, 0, R * sizeof(float));
-  memset(level->operator + (ni - 1) * R, 0, R * sizeof(float));
+  memset(level->operator, 0, (size_t)R * sizeof(float));
+  memset(level->operator + (ni - 1) * R, 0, (size_t)R * sizeof(float));
   WITH_TEAM(team, level->threads)
     ROWS(level, team, i)
       for (int plane = 0; plane < PLANES; ++plane) {
@@ -42,7 +42,8 @@ APART void coarsen_along_j(const float *restrict from, float *restrict to, int64
 static void cut_fixed(const Level *level, int64_t i) {
   const int64_t nj = level->nj, S = level->stride;
   const uint8_t *fixed = level->fixed + i * nj;
-  if (!memchr(fixed - nj + 1, 1, nj - 2) && !memchr(fixed + 1, 1, nj - 2) && !memchr(fixed + nj + 1, 1, nj - 2)) return;
+  const size_t inner = (size_t)(nj - 2);
+  if (!memchr(fixed - nj + 1, 1, inner) && !memchr(fixed + 1, 1, inner) && !memchr(fixed + nj + 1, 1, inner)) return;
   for (int plane = 0; plane < PLANES; ++plane) {
     int64_t di, dj;
     neighbor_of(plane, &di, &dj);
@@ -56,8 +57,8 @@ static void cut_fixed(const Level *level, int64_t i) {
  * coupled with nothing. `rows` has PLANES fine rows for every thread of the fine level. */
 EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
   const int64_t S = fine->stride, C = coarse->stride, ni = coarse->ni, nj = coarse->nj;
-  memset(coarse->operator, 0, PLANES * C * sizeof(float));
-  memset(coarse->operator+(ni - 1) * PLANES * C, 0, PLANES * C * sizeof(float));
+  memset(coarse->operator, 0, (size_t)(PLANES * C) * sizeof(float));
+  memset(coarse->operator+(ni - 1) * PLANES * C, 0, (size_t)(PLANES * C) * sizeof(float));
   WITH_TEAM(team, fine->threads) {
     float *row = rows + team.rank * PLANES * S;
     ROWS(coarse, team, i) {
@@ -111,7 +112,7 @@ enum { COLUMNS = 128, TOGETHER = 4 };
  * precision: on sheared cells the pivots are nearly singular. */
 APART void factor_row(const float *restrict a, double *restrict previous, float *restrict p,
                       const uint8_t *restrict fixed, int64_t count, int64_t S) {
-  const int64_t R = PLANES * S;
+  UNUSED const int64_t R = PLANES * S;
   double *restrict xx = previous, *restrict xy = xx + COLUMNS, *restrict yx = xy + COLUMNS, *restrict yy = yx + COLUMNS;
 #pragma omp simd
   for (int64_t j = 0; j < count; ++j) {
@@ -135,7 +136,7 @@ static void factor_along_i(const Level *level, int64_t column, int64_t count) {
 INLINE int64_t factor_lines(const float *restrict a, float *restrict p, const uint8_t *restrict fixed, int64_t nj, int64_t S,
                             int rows) {
   int64_t unusable = 0;
-  Block previous[TOGETHER] = {{0.0}};
+  Block previous[TOGETHER] = {{0}};
   for (int64_t j = 1; j < nj - 1; ++j)
     for (int k = 0; k < rows; ++k) {
       const float *of = a + k * PLANES * S;

@@ -4,7 +4,7 @@
 static void clear_vector(const Level *level, Team team, double *vector) {
   const int64_t width = 2 * level->stride;
   for (int64_t i = share(level->ni, team.rank, team.size); i < share(level->ni, team.rank + 1, team.size); ++i)
-    memset(vector + i * width, 0, width * sizeof(double));
+    memset(vector + i * width, 0, (size_t)width * sizeof(double));
 }
 
 /* From planes (2, ni, nj) to a vector, at the inner nodes. */
@@ -12,7 +12,7 @@ static void take_vector(const Level *level, Team team, const double *planes, dou
   ROWS(level, team, i)
     for (int c = 0; c < 2; ++c)
       memcpy(to + (2 * i + c) * level->stride + 1, planes + (c * level->ni + i) * level->nj + 1,
-             (level->nj - 2) * sizeof(double));
+             (size_t)(level->nj - 2) * sizeof(double));
 }
 
 /* And back, times a factor; zero at the boundary. */
@@ -38,7 +38,7 @@ static double total(const Level *level, Team team, const double *row) {
 #define MULTIPLY_ROW(name, REAL)                                                                                    \
   APART double name(const float *restrict a, const REAL *restrict x, const double *restrict with,                   \
                     double *restrict result, int64_t nj, int64_t S) {                                               \
-    const int64_t R = PLANES * S;                                                                                   \
+    UNUSED const int64_t R = PLANES * S;                                                                            \
     double product = 0.0;                                                                                           \
     PRAGMA(omp simd reduction(+ : product))                                                                         \
     for (int64_t j = 1; j < nj - 1; ++j) {                                                                          \
