@@ -11,6 +11,9 @@
 #ifdef _OPENMP
 #include <omp.h>
 #endif
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that is not vectorized is slower, and not wrong */
+#endif
 
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)

@@ -513,6 +513,25 @@ def test_two_processes_with_one_cold_cache_make_the_same_grid(cache):
     ]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["gcc", "clang"])
+def test_everything_runs_under_a_compiler_that_is_strict(name, monkeypatch, cache):
+    """The flags of CC come after ours, so that kernels, multigrid and the trial of OpenMP are all compiled with them."""
+    if not shutil.which(name):
+        pytest.skip(f"there is no {name}")
+    monkeypatch.setenv("CC", f"{name} -Wall -Wextra -Wconversion -Werror")
+    solve = (
+        "import gridgen_sym as gg\nfor name in ('winslow', 'knupp'):\n"
+        "    gg.optimize(gg.domain('swan', 17, 17), name, backend='c')\n"
+        "gg.solve_euler_lagrange(gg.domain('wavy', 17, 17), 'winslow', backend='c')\n"
+        "gg.optimize(gg.domain('wavy', 9, 9), 'area_winslow', 'local', weight='1 + x**2', backend='c')\n"
+    )
+    told = subprocess.run([sys.executable, "-c", solve], capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stderr
+    assert "warning" not in told.stderr
+    assert len(libraries(cache)) > 6
+
+
 # ---- parts of a kernel file ----
 
 

@@ -1,5 +1,8 @@
 """The multigrid below the Newton methods: Galerkin's operators, any shape, and a cost that does not grow."""
 
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
 from support import NO_SHARED, SHARED
@@ -7,6 +10,7 @@ from support import NO_SHARED, SHARED
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
 from gridgen_sym.solvers.linear.multigrid import GeneralMultigrid, Multigrid
+from gridgen_sym.solvers.linear.multigrid.library import library_source
 from gridgen_sym.solvers.linear.sparse import assemble_hessian, assemble_jacobian, to_vector
 from gridgen_sym.solvers.linear.systems import DirectSolver
 from gridgen_sym.solvers.multilevel.nested import coarse_shapes
@@ -346,3 +350,17 @@ def test_an_interrupt_returns_the_best_grid():
     assert not result.converged
     assert result.quality.folded_cells == 0
     assert result.energy < gg.energy(start, "winslow")
+
+
+@pytest.mark.parametrize("stencil", ["symmetric", "general"])
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("threads", ["-fopenmp", "-Wno-unknown-pragmas"])
+def test_the_sources_compile_without_a_warning_of_either_compiler(stencil, compiler, threads, tmp_path):
+    if not shutil.which(compiler):
+        pytest.skip(f"there is no {compiler}")
+    source = tmp_path / "multigrid.c"
+    source.write_text(library_source(stencil))
+    flags = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-c", threads)
+    command = [compiler, *flags, "-o", str(tmp_path / "object.o"), str(source)]
+    told = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stderr

@@ -29,12 +29,16 @@ class Level(ctypes.Structure):
     )
 
 
+def library_source(stencil: Stencil) -> str:
+    """Return the C source for a kind of stencil, as one translation unit."""
+    folder = Path(__file__).parent
+    return "\n".join((folder / f"{part}.c").read_text(encoding="utf-8") for part in _PARTS[stencil])
+
+
 @lru_cache(maxsize=2)
 def load_library(stencil: Stencil) -> ctypes.CDLL:
     """Compile and load for symmetric stencils, with conjugate gradients, or for general ones, with BiCGStab."""
-    folder = Path(__file__).parent
-    source = "\n".join((folder / f"{part}.c").read_text(encoding="utf-8") for part in _PARTS[stencil])
-    library = open_library(f"multigrid_{stencil}", source)
+    library = open_library(f"multigrid_{stencil}", library_source(stencil))
     pointer, integer, number = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
     signatures = {
         "take_planes": ([pointer, pointer, number], None),
