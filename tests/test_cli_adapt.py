@@ -135,7 +135,7 @@ def test_an_interrupted_adaptation_writes_its_last_grid_and_exits_with_130(monke
     def stop(self, grid, density, moves):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("gridgen_sym.adaptation.mover.Mover.towards", stop)
+    monkeypatch.setattr("gridgen_sym.adaptation.mover.Mover.toward", stop)
     said = run("square", "--to", RING, "--size", 10, 10, "-o", "a.vts", code=130)
     assert "interrupted" in said
     assert gg.read("a.vts") == gg.domain("square", 11, 11)

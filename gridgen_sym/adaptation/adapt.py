@@ -46,16 +46,16 @@ def adapt(
 ) -> AdaptResult:
     """Move the nodes of a grid to where a solution needs them; no cell ever folds.
 
-    Each step solves on the present grid, lets the monitor make a density of nodes of the solution, and minimises the
+    Each step solves on the present grid, lets the monitor make a density of nodes of the solution, and minimizes the
     functional with the weight of that density. The weight is held at the nodes and moves with them, so this is a fixed
-    point and not one minimisation; from step to step the weight is damped.
+    point and not one minimization; from step to step the weight is damped.
 
     Args:
         grid: the start. A folded one is untangled first.
         solution: what to adapt to: a function of one argument, your solver, that takes a `Grid` and returns nodal
             values (ni, nj); a function of two arrays (x, y); a formula in x and y, as text or as a SymPy expression; or
             nodal values on `grid`, which are interpolated.
-        functional: what is minimised. The default has a barrier; one without a barrier is kept from folding by the
+        functional: what is minimized. The default has a barrier; one without a barrier is kept from folding by the
             lengths of its steps alone.
         monitor: what the density of nodes is made of; a `Monitor`, its name, or your own function of the grid and the
             values.

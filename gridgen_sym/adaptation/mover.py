@@ -1,4 +1,4 @@
-"""Move nodes towards a density: the boundary slides, and the functional is minimised with a damped weight.
+"""Move nodes toward a density: the boundary slides, and the functional is minimized with a damped weight.
 
 It is the weight that is damped, by geometric means of the last one and the one that is wanted, and not the way of the
 nodes: every grid is then a minimum of the functional, as valid as its barrier makes it, where the mean of two valid
@@ -36,7 +36,7 @@ class Mover:
     """How nodes are moved.
 
     Attributes:
-        functional: what is minimised.
+        functional: what is minimized.
         law: the power of the density that its weight is, and the degree of what that multiplies.
         parameters: of the functional.
         fixed: mask of the nodes that do not move.
@@ -45,7 +45,7 @@ class Mover:
         sides: where boundary nodes slide.
         deadline: of the adaptation.
         weight: the last weight (ni, nj); at first that under which the start is equidistributed.
-        trouble: why the last minimisation stopped early, or nothing.
+        trouble: why the last minimization stopped early, or nothing.
         lack: (ni, nj), the logarithm of what was wanted over the weight before, in the last move.
     """
 
@@ -61,8 +61,8 @@ class Mover:
     trouble: str = ""
     lack: Array | None = None
 
-    def towards(self, grid: Grid, density: Array, moves: int) -> Grid:
-        """Return the grid after some moves towards the density (ni, nj) at its nodes; interpolated between moves.
+    def toward(self, grid: Grid, density: Array, moves: int) -> Grid:
+        """Return the grid after some moves toward the density (ni, nj) at its nodes; interpolated between moves.
 
         Raises:
             StopRequest: when the time is over.

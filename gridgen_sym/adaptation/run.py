@@ -61,7 +61,7 @@ class Run:
         if not steps:
             return Outcome(Status.ITERATION_LIMIT, "no step was allowed: this is the start.")
         for _ in range(steps):
-            moved = self.mover.towards(self.grid, self.density, moves)
+            moved = self.mover.toward(self.grid, self.density, moves)
             distance = movement(self.grid, moved)
             live.report(self._take(moved, distance))
             if distance <= tolerance:

@@ -74,7 +74,7 @@ def sliding_sides(grid: Grid, boundary: Boundary, fixed: npt.ArrayLike | None) -
 
 
 def slide(sides: list[Side], grid: Grid, density: Array, fixed: Mask, damping: float) -> Grid:
-    """Return the grid with its boundary nodes moved towards equidistribution, and the free inner nodes carried along.
+    """Return the grid with its boundary nodes moved toward equidistribution, and the free inner nodes carried along.
 
     A step that would fold a cell is halved, and not taken at all if that does not help.
     """

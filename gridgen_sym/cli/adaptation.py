@@ -38,7 +38,7 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
     type=click.Choice(("straight", "all", "fixed")),
     help="Where boundary nodes slide.  [default: straight]",
 )
-@click.option("-f", "--functional", metavar="NAME", help="What is minimised.  [default: area_winslow]")
+@click.option("-f", "--functional", metavar="NAME", help="What is minimized.  [default: area_winslow]")
 @click.option(
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Of the functional. May be repeated."
 )

@@ -19,7 +19,7 @@ def settings() -> dict[str, Any]:
     return {
         "project": "gridgen_sym",
         "author": "The gridgen_sym developers",
-        "copyright": "the gridgen_sym developers, MIT licence",
+        "copyright": "the gridgen_sym developers, MIT license",
         "release": __version__,
         "extensions": ["myst_parser", "sphinx.ext.mathjax", "sphinx_copybutton"],
         "myst_enable_extensions": ["dollarmath", "deflist", "colon_fence", "attrs_inline"],

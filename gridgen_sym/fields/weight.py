@@ -30,7 +30,7 @@ class Weight:
             function of two arrays (x, y), or an array with one value per node or per cell (only with mode
             `frozen`). Fields known by samples come from `on_grid`, `on_raster` and `on_points`.
         mode: `frozen`: s is held at the nodes and evaluated again between steps, so that s·J becomes constant
-            for the area functional; `differentiated`: s(x, y) belongs to the energy that is minimised, so that
+            for the area functional; `differentiated`: s(x, y) belongs to the energy that is minimized, so that
             sqrt(s)·J becomes constant.
         allow_negative: accept a weight that is negative somewhere. The weighted area energy has no lower
             bound then; results say so.

@@ -20,7 +20,7 @@ class Case:
     Attributes:
         label: its name in the table.
         grid: the grid.
-        effort: sweeps of the local method, or Newton steps; empty for a grid that nothing was minimised for.
+        effort: sweeps of the local method, or Newton steps; empty for a grid that nothing was minimized for.
         start_energy: energy of the start from transfinite interpolation; None where there is none.
         energy: energy of the grid; None where there is none.
         converged: the solver's own word; None where nothing was solved.
@@ -57,7 +57,7 @@ def sweep(
     sweeps: int = MOST_SWEEPS,
     keep_valid: bool = False,
 ) -> Case:
-    """Return the grid of the paper's method: local minimisation, node by node, `sweeps` times at most."""
+    """Return the grid of the paper's method: local minimization, node by node, `sweeps` times at most."""
     result = optimize(start, name, "local", weight=weight, max_iterations=sweeps, keep_valid=keep_valid, progress=False)
     return _case(label, result, f"{result.iterations} sweeps", energy(start, name, weight=weight))
 

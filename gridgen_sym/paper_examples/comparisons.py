@@ -47,7 +47,7 @@ def _winslow() -> Example:
         notes=(
             f"As printed, the energy of the folded start is {winslow[-1].start_energy:.5g}, that of the Winslow grid "
             f"{winslow[-1].energy:.5g}: over folded cells the printed energy has no lower bound (erratum E6). The "
-            "program therefore unfolds the start first, with a regularised barrier, and then sweeps.",
+            "program therefore unfolds the start first, with a regularized barrier, and then sweeps.",
             *_too_slow(winslow),
         ),
     )

@@ -13,7 +13,7 @@ class Point:
     """Where a solver is, in the space of all grids.
 
     Attributes:
-        problem: what is minimised.
+        problem: what is minimized.
         coordinates: (2, ni, nj), changed in place by whoever moves; `evaluate` then renews the rest.
         energy: of the grid.
         smallest: Jacobian of all corners.

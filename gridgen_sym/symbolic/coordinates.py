@@ -18,7 +18,7 @@ from sympy import Expr, Symbol
 from ..functionals.metric import DERIVATIVE_NAMES, symbol
 
 #: How a weight s(x, y) enters: absent; held at the nodes; differentiated through; or no weight and the
-#: barrier regularised (J replaced by chi(J) = (J + sqrt(J² + epsilon²))/2).
+#: barrier regularized (J replaced by chi(J) = (J + sqrt(J² + epsilon²))/2).
 Variant = Literal["plain", "frozen", "differentiated", "regularized"]
 
 x, y, xi, eta = (symbol(name) for name in ("x", "y", "xi", "eta"))
@@ -35,7 +35,7 @@ s_x, s_y, s_xx, s_xy, s_yy, s_xi, s_eta = (
     symbol(name) for name in ("s_x", "s_y", "s_xx", "s_xy", "s_yy", "s_xi", "s_eta")
 )
 
-#: Regularised barrier: chi(J), the square root in it, and its parameter.
+#: Regularized barrier: chi(J), the square root in it, and its parameter.
 epsilon, root, chi = (symbol(name) for name in ("epsilon", "root", "chi"))
 
 #: What the metric symbols stand for.
@@ -46,7 +46,7 @@ METRIC: Mapping[Symbol, Expr] = {
     J: x_xi * y_eta - x_eta * y_xi,
 }
 
-#: What the symbols of the regularised barrier stand for. The second branch of chi is the first one
+#: What the symbols of the regularized barrier stand for. The second branch of chi is the first one
 #: multiplied by its conjugate: it does not cancel where J is far below zero.
 REGULARIZATION: Mapping[Symbol, Expr] = {
     root: sympy.sqrt(J**2 + epsilon**2),
@@ -58,7 +58,7 @@ REGULARIZATION: Mapping[Symbol, Expr] = {
 DIRECTION = tuple(symbol(f"v_{p}") for p in DERIVATIVE_NAMES)
 POSITION_DIRECTION = v_x, v_y = symbol("v_x"), symbol("v_y")
 
-#: How the metric symbols, and those of the regularised barrier, move along the direction.
+#: How the metric symbols, and those of the regularized barrier, move along the direction.
 METRIC_ALONG: Mapping[Symbol, Symbol] = {m: symbol(f"along_{m}") for m in (*METRIC, root, chi)}
 _v_x_xi, _v_y_xi, _v_x_eta, _v_y_eta = DIRECTION
 ALONG: Mapping[Symbol, Expr] = {

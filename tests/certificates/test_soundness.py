@@ -92,7 +92,7 @@ def fractions_of(exact):
 
 
 def fold_a_cell(exact, random):
-    """Move a boundary node towards another, so that cells fold; return whether all nodes stay in the convex hull."""
+    """Move a boundary node toward another, so that cells fold; return whether all nodes stay in the convex hull."""
     ni, nj = exact.shape
     ring = [node for node in exact.nodes if node[0] in (0, ni - 1) or node[1] in (0, nj - 1)]
     node, to = (ring[k] for k in random.integers(len(ring), size=2))

@@ -32,7 +32,7 @@ COMPILER = next((path for name in ("cc", "gcc", "clang") if (path := shutil.whic
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)] or [COMPILER]
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-c")
 HEADERS = resource_folder("generated") / "c"
-#: Warnings on the flow of values need the optimiser; without OpenMP the same flow is only read.
+#: Warnings on the flow of values need the optimizer; without OpenMP the same flow is only read.
 MODES = {"openmp": ("-O1", "-fopenmp"), "serial": ("-fsyntax-only", "-Wno-unknown-pragmas")}
 TEMPLATES = resource_folder("templates")
 

@@ -274,7 +274,7 @@ def test_a_barrier_stays_visible():
         assert np.isnan(kernel_set("winslow", "plain", backend).energy(xy)[0])
 
 
-def test_the_regularised_energy_tends_to_the_plain_one():
+def test_the_regularized_energy_tends_to_the_plain_one():
     from gridgen_sym.runtime import kernels
 
     xy = random_grid(6, 6)

@@ -1,4 +1,4 @@
-"""Minimise every functional by both methods: the energy falls, what is fixed stays, and the result is stationary."""
+"""Minimize every functional by both methods: the energy falls, what is fixed stays, and the result is stationary."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from .sparse import assemble_hessian, assemble_jacobian, to_field, to_vector
 
 
 class DirectSolver:
-    """SciPy's sparse LU factorisation: for the NumPy backend, where nothing is compiled."""
+    """SciPy's sparse LU factorization: for the NumPy backend, where nothing is compiled."""
 
     def __init__(self, fixed: Mask, assemble: Callable[[Array, Mask], Any]) -> None:
         """Keep the mask of fixed nodes, and what makes a sparse matrix of planes."""
@@ -21,7 +21,7 @@ class DirectSolver:
         self._factors: Any = None
 
     def set_operator(self, planes: Array) -> bool:
-        """Factorise; a singular matrix cannot be solved with."""
+        """Factorize; a singular matrix cannot be solved with."""
         from scipy.sparse.linalg import splu
 
         matrix = self._assemble(planes, self._fixed)

@@ -24,7 +24,7 @@ _LOOSEST, _TIGHTEST, _LAST = 0.05, 1e-3, 1e-5
 
 @dataclass(slots=True)
 class NewtonSteps:
-    """Which Hessian to use, how much to shift it, and how well to solve with it; learnt from step to step.
+    """Which Hessian to use, how much to shift it, and how well to solve with it; learned from step to step.
 
     The full Hessian is used while its steps lead downhill and are not cut; after a step that was cut, the semidefinite
     one, shifted where it is singular; for a functional that is not polyconvex the full one, with the smallest shift
@@ -34,7 +34,7 @@ class NewtonSteps:
     1996).
 
     Attributes:
-        problem: what is minimised.
+        problem: what is minimized.
         solver: of the linear systems.
         deadline: of the run.
         only_semidefinite: never use the full Hessian.

@@ -53,7 +53,7 @@ class Progress(LiveLine):
         Raises:
             StopRequest: if the callback asks for it, or the time is over.
         """
-        # Untangling runs many minimisations: their steps are counted through.
+        # Untangling runs many minimizations: their steps are counted through.
         number = len(self.history) if self._stage == "untangle" else iteration
         step = Step(number, energy, gradient_norm, min_jacobian, self._stage, self._shape)
         self.history.append(step)

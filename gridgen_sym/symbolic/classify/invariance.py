@@ -79,7 +79,7 @@ def _jets(expression: Expr) -> list[dict[Symbol, Expr]]:
 
 
 def _expand(expression: Expr) -> Expr:
-    """Write out the metric, with the branch J > 0 of the regularised barrier."""
+    """Write out the metric, with the branch J > 0 of the regularized barrier."""
     branch = {
         name: meaning.args[0].expr if meaning.is_Piecewise else meaning for name, meaning in REGULARIZATION.items()
     }

@@ -88,10 +88,10 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
     one is s(x, y), with derivatives `s_x`, `s_y`.
 
     Raises:
-        GridgenError: for the regularised barrier, which is a tool of the discrete side.
+        GridgenError: for the regularized barrier, which is a tool of the discrete side.
     """
     if variant == "regularized":
-        raise GridgenError(f"the regularised barrier of {functional.name!r} serves untangling only: use 'plain'")
+        raise GridgenError(f"the regularized barrier of {functional.name!r} serves untangling only: use 'plain'")
     density = variant_density(functional, variant)
     fluxes = gradient(density)
     slope = hessian(density)

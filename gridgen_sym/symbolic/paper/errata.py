@@ -1,4 +1,4 @@
-"""The known errata of the paper, recognised by what a comparison finds."""
+"""The known errata of the paper, recognized by what a comparison finds."""
 
 from __future__ import annotations
 
