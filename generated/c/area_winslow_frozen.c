@@ -6,8 +6,9 @@
  * corner_energy                17 operations (5 additions, 11 multiplications, 1 divisions, 0 functions)
  * corner_slopes                22 operations (6 additions, 15 multiplications, 1 divisions, 0 functions)
  * corner_hessian               86 operations (29 additions, 56 multiplications, 1 divisions, 0 functions)
- * corner_semidefinite          69 operations (24 additions, 44 multiplications, 1 divisions, 0 functions)
+ * corner_semidefinite          61 operations (21 additions, 39 multiplications, 1 divisions, 0 functions)
  * corner_hessian_vector        79 operations (25 additions, 53 multiplications, 1 divisions, 0 functions)
+ * corner_semidefinite_vector   68 operations (20 additions, 47 multiplications, 1 divisions, 0 functions)
  * residual                    114 operations (44 additions, 69 multiplications, 1 divisions, 0 functions)
  * residual_slopes             396 operations (162 additions, 233 multiplications, 1 divisions, 0 functions)
  * residual_coefficients       114 operations (44 additions, 69 multiplications, 1 divisions, 0 functions)
@@ -95,36 +96,33 @@ INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, 
   const double t0 = x_eta*x_eta;
   const double t1 = y_eta*y_eta;
   const double t2 = x_eta*y_xi;
-  const double t5 = 2.0*parameters[0];
+  const double t4 = 2.0*parameters[0];
   const double g11 = x_xi*x_xi + y_xi*y_xi;
   const double g22 = t0 + t1;
-  const double t7 = g11 + g22;
   const double J = x_xi*y_eta - t2;
   const double t3 = 1.0/J;
-  const double t4 = t3*t3;
-  const double t6 = t4*t5;
-  const double t8 = s + (t3*t3*t3)*t5*t7;
-  const double t9 = t8*y_eta - t6*x_xi;
-  const double t10 = t3*t5;
-  const double t11 = t10 - t6*x_xi*y_eta;
-  const double t12 = t6*y_xi;
+  const double t5 = (t3*t3)*t4;
+  const double t6 = s + (t3*t3*t3)*t4*(g11 + g22);
+  const double t7 = t6*y_eta - t5*x_xi;
+  const double t8 = t3*t4;
+  const double t9 = t8 - t5*x_xi*y_eta;
+  const double t10 = t5*y_xi;
+  const double t11 = t10*y_eta;
+  const double t12 = t5*x_eta;
   const double t13 = t12*y_eta;
-  const double t14 = t6*x_eta;
-  const double t15 = t14*y_eta;
-  const double t16 = J*s - parameters[0]*t4*t7;
-  const double t17 = -t12 - t8*x_eta;
-  const double t18 = t10 + t2*t6;
-  const double t19 = -t14 - t8*y_xi;
-  const double h00 = t11 + t9*y_eta;
-  const double h01 = -t13 - t9*x_eta;
-  const double h02 = -t15 - t9*y_xi;
-  const double h03 = t16 + t9*x_xi - t1*t6;
-  const double h11 = t18 - t17*x_eta;
-  const double h12 = 2.0*parameters[0]*t0*t4 - t16 - t17*y_xi;
-  const double h13 = t15 + t17*x_xi;
-  const double h22 = t18 - t19*y_xi;
-  const double h23 = t13 + t19*x_xi;
-  const double h33 = t11 + x_xi*(t8*x_xi - t6*y_eta);
+  const double t14 = -t10 - t6*x_eta;
+  const double t15 = t2*t5 + t8;
+  const double t16 = -t12 - t6*y_xi;
+  const double h00 = t7*y_eta + t9;
+  const double h01 = -t11 - t7*x_eta;
+  const double h02 = -t13 - t7*y_xi;
+  const double h03 = t7*x_xi - t1*t5;
+  const double h11 = t15 - t14*x_eta;
+  const double h12 = t0*t5 - t14*y_xi;
+  const double h13 = t13 + t14*x_xi;
+  const double h22 = t15 - t16*y_xi;
+  const double h23 = t11 + t16*x_xi;
+  const double h33 = t9 + x_xi*(t6*x_xi - t5*y_eta);
   return (corner_semidefinite_values){h00, h01, h02, h03, h11, h12, h13, h22, h23, h33};
 }
 
@@ -151,6 +149,29 @@ INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_
   const double d2 = 2.0*parameters[0]*t2*v_x_eta - t5*x_eta - t7*v_y_xi - t8*y_xi;
   const double d3 = t1*t3 + t7*v_x_xi + t8*x_xi - t5*y_eta;
   return (corner_hessian_vector_values){d0, d1, d2, d3};
+}
+
+typedef struct { double d0, d1, d2, d3; } corner_semidefinite_vector_values;
+
+INLINE corner_semidefinite_vector_values corner_semidefinite_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double s, const double *restrict parameters) {
+  const double t0 = 2.0*v_x_xi;
+  const double t1 = 2.0*v_y_eta;
+  const double g11 = x_xi*x_xi + y_xi*y_xi;
+  const double g22 = x_eta*x_eta + y_eta*y_eta;
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  const double t2 = 1.0/J;
+  const double t3 = parameters[0]*t2;
+  const double t4 = parameters[0]*(t2*t2);
+  const double along_g11 = t0*x_xi + 2.0*v_y_xi*y_xi;
+  const double along_g22 = t1*y_eta + 2.0*v_x_eta*x_eta;
+  const double along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta;
+  const double t5 = 2.0*along_J*t4;
+  const double t6 = along_J*(2.0*parameters[0]*(t2*t2*t2)*(g11 + g22) + s) - along_g11*t4 - along_g22*t4;
+  const double d0 = t0*t3 + t6*y_eta - t5*x_xi;
+  const double d1 = 2.0*parameters[0]*t2*v_y_xi - t5*y_xi - t6*x_eta;
+  const double d2 = 2.0*parameters[0]*t2*v_x_eta - t5*x_eta - t6*y_xi;
+  const double d3 = t1*t3 + t6*x_xi - t5*y_eta;
+  return (corner_semidefinite_vector_values){d0, d1, d2, d3};
 }
 
 typedef struct { double r_x, r_y; } residual_values;
@@ -394,7 +415,7 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 /* ---- what the loops must know ---- */
 
 #define KERNEL(function) area_winslow_frozen_##function
-#define POLYCONVEX 0
+#define POLYCONVEX 1
 #define EULER_LAGRANGE 1
 /* Whether the weight moves with the nodes, or its slopes along xi and eta enter the equations. */
 #define MOVING 0

@@ -6,8 +6,9 @@
  * corner_energy                29 operations (8 additions, 17 multiplications, 2 divisions, 2 functions)
  * corner_slopes                36 operations (9 additions, 22 multiplications, 3 divisions, 2 functions)
  * corner_hessian              144 operations (42 additions, 97 multiplications, 3 divisions, 2 functions)
- * corner_semidefinite         121 operations (37 additions, 79 multiplications, 3 divisions, 2 functions)
+ * corner_semidefinite          87 operations (24 additions, 58 multiplications, 3 divisions, 2 functions)
  * corner_hessian_vector       112 operations (32 additions, 75 multiplications, 3 divisions, 2 functions)
+ * corner_semidefinite_vector   85 operations (23 additions, 57 multiplications, 3 divisions, 2 functions)
  */
 #include "common.h"
 
@@ -115,58 +116,47 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
 typedef struct { double h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_semidefinite_values;
 
 INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
-  const double t0 = x_xi*x_xi;
-  const double t1 = y_xi*y_xi;
-  const double t2 = x_eta*x_eta;
-  const double t3 = y_eta*y_eta;
-  const double t4 = x_eta*y_xi;
-  const double t5 = parameters[1]*parameters[1];
-  const double t8 = 2.0*parameters[0];
-  const double t21 = x_xi*y_eta;
-  const double g11 = t0 + t1;
-  const double g22 = t2 + t3;
-  const double t10 = g11 + g22;
-  const double J = x_xi*y_eta - t4;
-  const double root = sqrt(J*J + t5);
-  const double t12 = 1.0/root;
-  const double t17 = t12*t12*t12;
-  const double t18 = (1.0/2.0)*t17*t5;
-  const double chi = (J > 0.0) ? ((1.0/2.0)*J + (1.0/2.0)*root) : (t5*(1.0/(2.0*root - 2.0*J)));
-  const double t6 = 1.0/chi;
-  const double t7 = t6*t6;
-  const double t9 = t7*t8;
-  const double t11 = t10*(t6*t6*t6)*t8 + 1.0;
-  const double t13 = chi*t12;
-  const double t14 = t13*y_eta;
-  const double t15 = t11*t14 - t9*x_xi;
-  const double t16 = chi - parameters[0]*t10*t7;
-  const double t19 = t16*t18;
-  const double t20 = t6*t8;
-  const double t22 = t12*t20;
-  const double t23 = t20 - t21*t22;
-  const double t24 = t22*y_eta;
-  const double t25 = t24*y_xi;
-  const double t26 = t19*y_eta;
-  const double t27 = t13*t15;
-  const double t28 = t24*x_eta;
-  const double t29 = t13*x_eta;
-  const double t30 = -(t11*t29) - t9*y_xi;
-  const double t31 = t20 + t22*t4;
-  const double t32 = t13*t30;
-  const double t33 = t19*x_xi;
-  const double t34 = t13*y_xi;
-  const double t35 = -(t11*t34) - t9*x_eta;
-  const double t36 = t13*x_xi;
-  const double h00 = t14*t15 + t19*t3 + t23;
-  const double h01 = -t25 - t26*x_eta - t27*x_eta;
-  const double h02 = -(t26*y_xi) - t27*y_xi - t28;
-  const double h03 = t16*(t13 + t18*t21) + t27*x_xi - t22*t3;
-  const double h11 = t19*t2 + t31 - t29*t30;
-  const double h12 = t16*((1.0/2.0)*t17*t5*x_eta*y_xi - t13) + t2*t22 - t32*y_xi;
-  const double h13 = t28 + t32*x_xi - t33*x_eta;
-  const double h22 = t1*t19 + t31 - t34*t35;
-  const double h23 = t25 + t35*t36 - t33*y_xi;
-  const double h33 = t0*t19 + t23 + t36*(t11*t36 - t9*y_eta);
+  const double t0 = x_eta*x_eta;
+  const double t1 = y_eta*y_eta;
+  const double t2 = x_eta*y_xi;
+  const double t3 = parameters[1]*parameters[1];
+  const double t5 = 2.0*parameters[0];
+  const double g11 = x_xi*x_xi + y_xi*y_xi;
+  const double g22 = t0 + t1;
+  const double J = x_xi*y_eta - t2;
+  const double root = sqrt(J*J + t3);
+  const double t8 = 1.0/root;
+  const double chi = (J > 0.0) ? ((1.0/2.0)*J + (1.0/2.0)*root) : (t3*(1.0/(2.0*root - 2.0*J)));
+  const double t4 = 1.0/chi;
+  const double t6 = (t4*t4)*t5;
+  const double t7 = (t4*t4*t4)*t5*(g11 + g22) + 1.0;
+  const double t9 = chi*t8;
+  const double t10 = t9*y_eta;
+  const double t11 = t10*t7 - t6*x_xi;
+  const double t12 = t4*t5;
+  const double t13 = t12*t8;
+  const double t14 = t12 - t13*x_xi*y_eta;
+  const double t15 = t13*y_eta;
+  const double t16 = t15*y_xi;
+  const double t17 = t11*t9;
+  const double t18 = t15*x_eta;
+  const double t19 = t9*x_eta;
+  const double t20 = -(t19*t7) - t6*y_xi;
+  const double t21 = t12 + t13*t2;
+  const double t22 = t20*t9;
+  const double t23 = t9*y_xi;
+  const double t24 = -(t23*t7) - t6*x_eta;
+  const double t25 = t9*x_xi;
+  const double h00 = t10*t11 + t14;
+  const double h01 = -t16 - t17*x_eta;
+  const double h02 = -(t17*y_xi) - t18;
+  const double h03 = t17*x_xi - t1*t13;
+  const double h11 = t21 - t19*t20;
+  const double h12 = 2.0*parameters[0]*t0*t4*t8 - t22*y_xi;
+  const double h13 = t18 + t22*x_xi;
+  const double h22 = t21 - t23*t24;
+  const double h23 = t16 + t24*t25;
+  const double h33 = t14 + t25*(t25*t7 - t6*y_eta);
   return (corner_semidefinite_values){h00, h01, h02, h03, h11, h12, h13, h22, h23, h33};
 }
 
@@ -202,6 +192,34 @@ INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_
   return (corner_hessian_vector_values){d0, d1, d2, d3};
 }
 
+typedef struct { double d0, d1, d2, d3; } corner_semidefinite_vector_values;
+
+INLINE corner_semidefinite_vector_values corner_semidefinite_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, const double *restrict parameters) {
+  const double t0 = parameters[1]*parameters[1];
+  const double t1 = 2.0*v_x_xi;
+  const double t2 = 2.0*v_y_eta;
+  const double g11 = x_xi*x_xi + y_xi*y_xi;
+  const double g22 = x_eta*x_eta + y_eta*y_eta;
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  const double root = sqrt(J*J + t0);
+  const double chi = (J > 0.0) ? ((1.0/2.0)*J + (1.0/2.0)*root) : (t0*(1.0/(2.0*root - 2.0*J)));
+  const double t3 = chi*(1.0/root);
+  const double t4 = 1.0/chi;
+  const double t5 = parameters[0]*t4;
+  const double t6 = parameters[0]*(t4*t4);
+  const double along_g11 = t1*x_xi + 2.0*v_y_xi*y_xi;
+  const double along_g22 = t2*y_eta + 2.0*v_x_eta*x_eta;
+  const double along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta;
+  const double along_chi = along_J*t3;
+  const double t7 = 2.0*along_chi*t6;
+  const double t8 = t3*(along_chi*(2.0*parameters[0]*(t4*t4*t4)*(g11 + g22) + 1.0) - along_g11*t6 - along_g22*t6);
+  const double d0 = t1*t5 + t8*y_eta - t7*x_xi;
+  const double d1 = 2.0*parameters[0]*t4*v_y_xi - t7*y_xi - t8*x_eta;
+  const double d2 = 2.0*parameters[0]*t4*v_x_eta - t7*x_eta - t8*y_xi;
+  const double d3 = t2*t5 + t8*x_xi - t7*y_eta;
+  return (corner_semidefinite_vector_values){d0, d1, d2, d3};
+}
+
 /* ---- the chain rule from the metric to an edge, for the slopes that there are ----
  *
  * Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q. */
@@ -223,7 +241,7 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 /* ---- what the loops must know ---- */
 
 #define KERNEL(function) area_winslow_regularized_##function
-#define POLYCONVEX 0
+#define POLYCONVEX 1
 #define EULER_LAGRANGE 0
 /* Whether the weight moves with the nodes, or its slopes along xi and eta enter the equations. */
 #define MOVING 0

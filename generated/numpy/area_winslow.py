@@ -94,36 +94,33 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
     t0 = x_eta*x_eta
     t1 = y_eta*y_eta
     t2 = x_eta*y_xi
-    t5 = 2.0*parameters[0]
+    t4 = 2.0*parameters[0]
     g11 = x_xi*x_xi + y_xi*y_xi
     g22 = t0 + t1
-    t7 = g11 + g22
     J = x_xi*y_eta - t2
     t3 = 1.0/J
-    t4 = t3*t3
-    t6 = t4*t5
-    t8 = (t3*t3*t3)*t5*t7 + 1.0
-    t9 = t8*y_eta - t6*x_xi
-    t10 = t3*t5
-    t11 = t10 - t6*x_xi*y_eta
-    t12 = t6*y_xi
+    t5 = (t3*t3)*t4
+    t6 = (t3*t3*t3)*t4*(g11 + g22) + 1.0
+    t7 = t6*y_eta - t5*x_xi
+    t8 = t3*t4
+    t9 = t8 - t5*x_xi*y_eta
+    t10 = t5*y_xi
+    t11 = t10*y_eta
+    t12 = t5*x_eta
     t13 = t12*y_eta
-    t14 = t6*x_eta
-    t15 = t14*y_eta
-    t16 = J - parameters[0]*t4*t7
-    t17 = -t12 - t8*x_eta
-    t18 = t10 + t2*t6
-    t19 = -t14 - t8*y_xi
-    h00 = t11 + t9*y_eta
-    h01 = -t13 - t9*x_eta
-    h02 = -t15 - t9*y_xi
-    h03 = t16 + t9*x_xi - t1*t6
-    h11 = t18 - t17*x_eta
-    h12 = 2.0*parameters[0]*t0*t4 - t16 - t17*y_xi
-    h13 = t15 + t17*x_xi
-    h22 = t18 - t19*y_xi
-    h23 = t13 + t19*x_xi
-    h33 = t11 + x_xi*(t8*x_xi - t6*y_eta)
+    t14 = -t10 - t6*x_eta
+    t15 = t2*t5 + t8
+    t16 = -t12 - t6*y_xi
+    h00 = t7*y_eta + t9
+    h01 = -t11 - t7*x_eta
+    h02 = -t13 - t7*y_xi
+    h03 = t7*x_xi - t1*t5
+    h11 = t15 - t14*x_eta
+    h12 = t0*t5 - t14*y_xi
+    h13 = t13 + t14*x_xi
+    h22 = t15 - t16*y_xi
+    h23 = t11 + t16*x_xi
+    h33 = t9 + x_xi*(t6*x_xi - t5*y_eta)
     return corner_semidefinite_values(h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
@@ -151,6 +148,30 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
     d2 = 2.0*parameters[0]*t2*v_x_eta - t5*x_eta - t7*v_y_xi - t8*y_xi
     d3 = t1*t3 + t7*v_x_xi + t8*x_xi - t5*y_eta
     return corner_hessian_vector_values(d0, d1, d2, d3)
+
+
+corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
+
+
+def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    t0 = 2.0*v_x_xi
+    t1 = 2.0*v_y_eta
+    g11 = x_xi*x_xi + y_xi*y_xi
+    g22 = x_eta*x_eta + y_eta*y_eta
+    J = x_xi*y_eta - x_eta*y_xi
+    t2 = 1.0/J
+    t3 = parameters[0]*t2
+    t4 = parameters[0]*(t2*t2)
+    along_g11 = t0*x_xi + 2.0*v_y_xi*y_xi
+    along_g22 = t1*y_eta + 2.0*v_x_eta*x_eta
+    along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta
+    t5 = 2.0*along_J*t4
+    t6 = along_J*(2.0*parameters[0]*(t2*t2*t2)*(g11 + g22) + 1.0) - along_g11*t4 - along_g22*t4
+    d0 = t0*t3 + t6*y_eta - t5*x_xi
+    d1 = 2.0*parameters[0]*t2*v_y_xi - t5*y_xi - t6*x_eta
+    d2 = 2.0*parameters[0]*t2*v_x_eta - t5*x_eta - t6*y_xi
+    d3 = t1*t3 + t6*x_xi - t5*y_eta
+    return corner_semidefinite_vector_values(d0, d1, d2, d3)
 
 
 residual_values = namedtuple("residual_values", "r_x r_y")

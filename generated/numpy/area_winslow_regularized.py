@@ -117,58 +117,47 @@ corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h
 
 
 def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
-    t0 = x_xi*x_xi
-    t1 = y_xi*y_xi
-    t2 = x_eta*x_eta
-    t3 = y_eta*y_eta
-    t4 = x_eta*y_xi
-    t5 = parameters[1]*parameters[1]
-    t8 = 2.0*parameters[0]
-    t21 = x_xi*y_eta
-    g11 = t0 + t1
-    g22 = t2 + t3
-    t10 = g11 + g22
-    J = x_xi*y_eta - t4
-    root = np.sqrt(J*J + t5)
-    t12 = 1.0/root
-    t17 = t12*t12*t12
-    t18 = (1.0/2.0)*t17*t5
-    chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t5*(1.0/(2.0*root - 2.0*J)))
-    t6 = 1.0/chi
-    t7 = t6*t6
-    t9 = t7*t8
-    t11 = t10*(t6*t6*t6)*t8 + 1.0
-    t13 = chi*t12
-    t14 = t13*y_eta
-    t15 = t11*t14 - t9*x_xi
-    t16 = chi - parameters[0]*t10*t7
-    t19 = t16*t18
-    t20 = t6*t8
-    t22 = t12*t20
-    t23 = t20 - t21*t22
-    t24 = t22*y_eta
-    t25 = t24*y_xi
-    t26 = t19*y_eta
-    t27 = t13*t15
-    t28 = t24*x_eta
-    t29 = t13*x_eta
-    t30 = -(t11*t29) - t9*y_xi
-    t31 = t20 + t22*t4
-    t32 = t13*t30
-    t33 = t19*x_xi
-    t34 = t13*y_xi
-    t35 = -(t11*t34) - t9*x_eta
-    t36 = t13*x_xi
-    h00 = t14*t15 + t19*t3 + t23
-    h01 = -t25 - t26*x_eta - t27*x_eta
-    h02 = -(t26*y_xi) - t27*y_xi - t28
-    h03 = t16*(t13 + t18*t21) + t27*x_xi - t22*t3
-    h11 = t19*t2 + t31 - t29*t30
-    h12 = t16*((1.0/2.0)*t17*t5*x_eta*y_xi - t13) + t2*t22 - t32*y_xi
-    h13 = t28 + t32*x_xi - t33*x_eta
-    h22 = t1*t19 + t31 - t34*t35
-    h23 = t25 + t35*t36 - t33*y_xi
-    h33 = t0*t19 + t23 + t36*(t11*t36 - t9*y_eta)
+    t0 = x_eta*x_eta
+    t1 = y_eta*y_eta
+    t2 = x_eta*y_xi
+    t3 = parameters[1]*parameters[1]
+    t5 = 2.0*parameters[0]
+    g11 = x_xi*x_xi + y_xi*y_xi
+    g22 = t0 + t1
+    J = x_xi*y_eta - t2
+    root = np.sqrt(J*J + t3)
+    t8 = 1.0/root
+    chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t3*(1.0/(2.0*root - 2.0*J)))
+    t4 = 1.0/chi
+    t6 = (t4*t4)*t5
+    t7 = (t4*t4*t4)*t5*(g11 + g22) + 1.0
+    t9 = chi*t8
+    t10 = t9*y_eta
+    t11 = t10*t7 - t6*x_xi
+    t12 = t4*t5
+    t13 = t12*t8
+    t14 = t12 - t13*x_xi*y_eta
+    t15 = t13*y_eta
+    t16 = t15*y_xi
+    t17 = t11*t9
+    t18 = t15*x_eta
+    t19 = t9*x_eta
+    t20 = -(t19*t7) - t6*y_xi
+    t21 = t12 + t13*t2
+    t22 = t20*t9
+    t23 = t9*y_xi
+    t24 = -(t23*t7) - t6*x_eta
+    t25 = t9*x_xi
+    h00 = t10*t11 + t14
+    h01 = -t16 - t17*x_eta
+    h02 = -(t17*y_xi) - t18
+    h03 = t17*x_xi - t1*t13
+    h11 = t21 - t19*t20
+    h12 = 2.0*parameters[0]*t0*t4*t8 - t22*y_xi
+    h13 = t18 + t22*x_xi
+    h22 = t21 - t23*t24
+    h23 = t16 + t24*t25
+    h33 = t14 + t25*(t25*t7 - t6*y_eta)
     return corner_semidefinite_values(h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
@@ -203,6 +192,35 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
     d2 = 2.0*parameters[0]*t5*v_x_eta + t10*(-(t11*y_xi) - t4*v_y_xi) - t12*y_xi - t8*x_eta
     d3 = t10*(t11*x_xi + t4*v_x_xi) + t12*x_xi + t2*t6 - t8*y_eta
     return corner_hessian_vector_values(d0, d1, d2, d3)
+
+
+corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
+
+
+def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    t0 = parameters[1]*parameters[1]
+    t1 = 2.0*v_x_xi
+    t2 = 2.0*v_y_eta
+    g11 = x_xi*x_xi + y_xi*y_xi
+    g22 = x_eta*x_eta + y_eta*y_eta
+    J = x_xi*y_eta - x_eta*y_xi
+    root = np.sqrt(J*J + t0)
+    chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
+    t3 = chi*(1.0/root)
+    t4 = 1.0/chi
+    t5 = parameters[0]*t4
+    t6 = parameters[0]*(t4*t4)
+    along_g11 = t1*x_xi + 2.0*v_y_xi*y_xi
+    along_g22 = t2*y_eta + 2.0*v_x_eta*x_eta
+    along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta
+    along_chi = along_J*t3
+    t7 = 2.0*along_chi*t6
+    t8 = t3*(along_chi*(2.0*parameters[0]*(t4*t4*t4)*(g11 + g22) + 1.0) - along_g11*t6 - along_g22*t6)
+    d0 = t1*t5 + t8*y_eta - t7*x_xi
+    d1 = 2.0*parameters[0]*t4*v_y_xi - t7*y_xi - t8*x_eta
+    d2 = 2.0*parameters[0]*t4*v_x_eta - t7*x_eta - t8*y_xi
+    d3 = t2*t5 + t8*x_xi - t7*y_eta
+    return corner_semidefinite_vector_values(d0, d1, d2, d3)
 
 
 # ---- the chain rule from the metric to an edge, for the slopes that there are ----

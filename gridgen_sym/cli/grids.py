@@ -65,9 +65,10 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
 
     INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), a text file
     with an outline (points x,y and '# corners: ...'), or a grid file, which is the start. Exits with 1 if the result
-    has folded cells, and after Ctrl-C, which writes the best grid so far, with 130.
+    has folded cells or the functional has no derivative there, and after Ctrl-C, which writes the best grid so far,
+    with 130.
     """
-    from ..solvers.run.status import StopReason
+    from ..solvers.run.status import Status, StopReason
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
@@ -85,7 +86,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result)
     if result.stopped_by is StopReason.USER:
         raise click.exceptions.Exit(130)
-    if not result.quality.valid:
+    if not result.quality.valid or result.status is Status.NOT_DIFFERENTIABLE:
         raise click.exceptions.Exit(1)
 
 

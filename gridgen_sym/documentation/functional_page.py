@@ -99,7 +99,7 @@ def _facts(found: Classification) -> Iterator[tuple[str, str]]:
     bound = found.lower_bound
     yield "Lower bound", "none known" if bound.value is None else f"${latex(bound.value)}$ ({bound.proof})"
     how = "refuted at a point" if found.polyconvex.proof == "refuted" else found.polyconvex.proof
-    yield "Polyconvex", f"{'yes' if found.polyconvex.holds else 'no'} ({how})"
+    yield "Polyconvex", f"{'yes, where $J > 0$' if found.polyconvex.holds else 'no'} ({how})"
     if found.functional.parameters:
         values = ", ".join(f"`{name}` = {value:g}" for name, value in found.functional.parameters.items())
         rules = ", ".join(f"`{rule}`" for rule in found.functional.constraints)

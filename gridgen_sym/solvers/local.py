@@ -46,6 +46,19 @@ def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, re
     )
 
 
+def _sweep_summed(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, reach: float) -> float:
+    """Sweep as `sweep` does, but let corners fold that are not summed.
+
+    Where that takes a summed corner across the barrier, the sweep is made again with all corners guarded.
+    """
+    before = coordinates.copy()
+    step = sweep(problem, coordinates, fixed, floor=-1.0, reach=reach)
+    if problem.energy(coordinates)[1] > floor:
+        return step
+    coordinates[...] = before
+    return sweep(problem, coordinates, fixed, floor=floor, reach=reach)
+
+
 def sweep_until_converged(
     problem: Problem,
     coordinates: Array,
@@ -73,7 +86,8 @@ def sweep_until_converged(
             return converged("gradient", point.norm, goal.first, iteration)
         if iteration == max_iterations:
             break
-        step = sweep(problem, coordinates, problem.fixed, floor=floor, reach=reach)
+        move = _sweep_summed if problem.guard_summed_only and floor >= 0 else sweep
+        step = move(problem, coordinates, problem.fixed, floor=floor, reach=reach)
         if step >= reach:
             why = "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid."
             return Outcome(Status.DIVERGED, why)

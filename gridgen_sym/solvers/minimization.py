@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..arrays import Array
 from ..boundary.predicates import area_sign
 from ..certificates import Certificate, certificates, sliver_certificate
@@ -12,6 +14,7 @@ from ..certificates.branching import DEFAULT_BUDGET, LARGE_BUDGET
 from ..functionals.definition import Functional
 from ..grids import Grid, corner_jacobians, quality
 from ..grids.grid import boundary_indices
+from .differentiability import missing_derivative
 from .multilevel.nested import Nested, worth_nesting
 from .problem import Problem, norm_of
 from .run.progress import Progress
@@ -155,10 +158,18 @@ class Run:
         folds = quality(Grid.from_planes(*self.coordinates)).describe_folds()
         return Outcome(Status.FOLDED, f"{told} {folds}\n{proofs}")
 
+    def explained_by_derivatives(self, outcome: Outcome) -> Outcome:
+        """Return how a run has ended, with the term of the density whose derivative does not exist, if that is why."""
+        if outcome.converged or np.isfinite(self.problem.energy_gradient(self.coordinates)[2]).all():
+            return outcome
+        reason = missing_derivative(self.functional, self.parameters, self.coordinates)
+        return Outcome(Status.NOT_DIFFERENTIABLE, reason) if reason else outcome
+
     def result(self, outcome: Outcome) -> Result:
         """Return what the run has found, with what must be said of folded cells and of the weight."""
         self.problem.refresh(self.coordinates)
-        energy, smallest = self.problem.energy(self.coordinates)
+        energy = self.problem.energy(self.coordinates)[0]
+        smallest = float(corner_jacobians(*self.coordinates).min())
         grid = Grid.from_planes(*self.coordinates)
         status, message = outcome.status, self.said + outcome.message
         proofs: tuple[Certificate, ...] = ()

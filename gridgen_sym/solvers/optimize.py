@@ -65,8 +65,9 @@ def optimize(
         max_iterations: sweeps, or Newton steps, on the grid itself; steps of untangling and on coarser grids are
             not counted. With 0 a start that needs no untangling comes back as it is.
         keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals
-            never do.
-        interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners.
+            never do, but at corners that are not summed.
+        interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners. With
+            `keep_valid=False` that is the paper's literal minimum: corners at boundary nodes have no barrier there.
         callback: called with every `Step`. StopIteration ends the run, which returns the best grid; any other error
             is raised as it is, with the best grid's result as its attribute `result`.
         time_limit: seconds after which the run ends, as soon as a step lets it, and returns the best grid.
@@ -92,6 +93,7 @@ def optimize(
             fixed=fixed,
             parameters=parameters,
             interior_only=interior_only,
+            guard_summed_only=interior_only and not keep_valid,
             backend=backend,
         )
 
@@ -108,7 +110,7 @@ def optimize(
             iterate: Callable[..., Outcome] = partial(minimize, reference=run.reference)
             if method == "local":
                 iterate = sweep_until_converged
-            return iterate(
+            outcome = iterate(
                 run.problem,
                 run.coordinates,
                 report,
@@ -116,6 +118,7 @@ def optimize(
                 max_iterations=limit,
                 keep_valid=keep_valid,
             )
+            return run.explained_by_derivatives(outcome)
 
         return run_to_result(solve, run.result, report)
 

@@ -12,7 +12,7 @@ from ..arrays import Array, Mask
 from ..fields.weight import Source, Weight, as_weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
-from ..grids import Grid
+from ..grids import Grid, corner_jacobians
 from ..grids.grid import check_grid
 from ..runtime import KernelSet, kernels
 from .folds import Folds
@@ -28,12 +28,14 @@ class Problem:
         fixed: (ni, nj), non-zero at nodes that do not move; the boundary is fixed.
         weight: the weight, or None.
         interior_only: sum over the corners at inner nodes only, as the paper prints it.
+        guard_summed_only: the smallest Jacobian is that of the corners that are summed: others may fold.
     """
 
     kernels: KernelSet
     fixed: Mask
     weight: Weight | None
     interior_only: bool = False
+    guard_summed_only: bool = False
     _planes: Array | None = None
     _inner_fixed: bool = field(init=False)
 
@@ -55,14 +57,18 @@ class Problem:
     def energy(self, coordinates: Array) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian."""
         energy, smallest = self.kernels.energy(coordinates, self.weights(coordinates), interior_only=self.interior_only)
-        return energy, smallest
+        return energy, self._guarded(coordinates, smallest)
 
     def energy_gradient(self, coordinates: Array, out: Array | None = None) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian and the gradient (2, ni, nj; in `out`), zero at fixed nodes."""
         energy, smallest, gradient = self.kernels.energy_gradient(
             coordinates, self.weights(coordinates), interior_only=self.interior_only, out=out
         )
-        return energy, smallest, self.pin(gradient)
+        return energy, self._guarded(coordinates, smallest), self.pin(gradient)
+
+    def _guarded(self, coordinates: Array, smallest: float) -> float:
+        """Return the smallest Jacobian of the corners that must not fold, given that of all corners."""
+        return smallest_inner_jacobian(coordinates) if self.guard_summed_only else smallest
 
     def pin(self, field: Array) -> Array:
         """Make a field (2, ni, nj) zero at the fixed nodes, in place, and return it."""
@@ -144,6 +150,15 @@ class Problem:
         return said
 
 
+def smallest_inner_jacobian(coordinates: Array) -> float:
+    """Return the smallest Jacobian of the corners at inner nodes."""
+    jacobians = corner_jacobians(coordinates[0], coordinates[1])
+    later, earlier = slice(1, None), slice(None, -1)
+    places = ((later, later), (earlier, later), (earlier, earlier), (later, earlier))
+    inner_corners = [corner[place] for corner, place in zip(jacobians, places, strict=True)]
+    return min(float(corners.min()) for corners in inner_corners)
+
+
 def _spacing(coordinates: Array) -> float:
     """Return the root mean square length of an edge along xi plus that of one along eta."""
     return sum(
@@ -174,6 +189,7 @@ def make_problem(
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
+    guard_summed_only: bool = False,
     backend: str | None = None,
 ) -> Problem:
     """Bind a functional to a grid's shape, with checked input.
@@ -185,6 +201,6 @@ def make_problem(
     check_size(grid)
     chosen = as_weight(weight)
     kernel_set = kernels(find_functional(functional), chosen.mode if chosen else "plain", parameters, backend)
-    problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, bool(interior_only))
+    problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, bool(interior_only), guard_summed_only)
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem

@@ -9,7 +9,7 @@ from .classify import Classification as Classification
 from .classify import classify as classify
 from .classify import equation_words as equation_words
 from .classify.ellipticity import Ellipticity as Ellipticity
-from .classify.equidistribution import Equidistribution as Equidistribution
+from .classify.equidistribution import EquidistributionLaw as EquidistributionLaw
 from .classify.equidistribution import equidistribution as equidistribution
 from .coordinates import Variant as Variant
 from .definiteness import Definiteness as Definiteness
@@ -23,3 +23,14 @@ from .paper import Verdict as Verdict
 from .paper import verify as verify
 from .report import derive_latex as derive_latex
 from .report import derive_text as derive_text
+
+
+def __getattr__(name: str) -> type[EquidistributionLaw]:
+    """Return the law of equidistribution by its old name, which the measurement in `adaptation` has as well."""
+    if name != "Equidistribution":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import warnings
+
+    text = "symbolic.Equidistribution is deprecated: the class is called EquidistributionLaw"
+    warnings.warn(text, DeprecationWarning, stacklevel=2)
+    return EquidistributionLaw

@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 from sympy import Expr, Symbol
 
+from .admissible import Admissible
 from .coordinates import FIRST_DERIVATIVES, METRIC, x_eta, x_xi, y_eta, y_xi
 
 #: Random points on which a claim is tried before and, where no proof is found, instead of a proof.
@@ -27,7 +28,7 @@ class Definiteness:
     Attributes:
         holds: the answer.
         proof: `proved` by algebra; `refuted` by a point where it fails; `sampled` at random points only.
-        witness: the point where it fails, as (symbol, value) pairs.
+        witness: the point where it fails, as (symbol, value) pairs, parameters first.
     """
 
     holds: bool
@@ -35,7 +36,9 @@ class Definiteness:
     witness: tuple[tuple[Symbol, float], ...] = ()
 
 
-def semidefinite(matrix: sympy.Matrix, *, nonnegative: Iterable[Symbol] = ()) -> Definiteness:
+def semidefinite(
+    matrix: sympy.Matrix, *, nonnegative: Iterable[Symbol] = (), parameters: Admissible | None = None
+) -> Definiteness:
     """Decide whether a symmetric matrix is positive semidefinite for all real values of its symbols.
 
     First random points try to refute it; then Gaussian elimination with pivots whose sign is read off their
@@ -46,18 +49,26 @@ def semidefinite(matrix: sympy.Matrix, *, nonnegative: Iterable[Symbol] = ()) ->
     Args:
         matrix: symmetric, of rational expressions.
         nonnegative: symbols that take positive values only.
+        parameters: the values that other symbols may take.
     """
+    parameters = parameters or Admissible({})
     nonnegative = tuple(nonnegative)
-    matrix = almost_everywhere(matrix)
-    symbols = sorted(matrix.free_symbols, key=str)
-    refuted = _refute(matrix, symbols, nonnegative)
+    matrix = _with_impulses(matrix)
+    refuted = _refute(matrix, nonnegative, parameters)
     if refuted is not None:
         return refuted
     if is_high(matrix):
         return Definiteness(holds=True, proof="sampled")
-    rational, positive = without_functions(_in_frame(matrix))
-    proved = _eliminate(rational, (*nonnegative, *positive))
+    rational, _ = without_functions(_in_frame(matrix).subs(parameters.substitution()))
+    known = (variable for variable in rational.free_symbols if variable.is_nonnegative)
+    proved = _eliminate(rational, (*nonnegative, *known))
     return Definiteness(holds=True, proof="proved" if proved else "sampled")
+
+
+def _with_impulses(derivatives: sympy.Matrix) -> sympy.Matrix:
+    """Return second derivatives with the impulses at kinks of abs() as positive symbols; -abs() is not convex."""
+    impulses = sorted(derivatives.atoms(sympy.DiracDelta), key=sympy.default_sort_key)
+    return derivatives.subs({impulse: sympy.Dummy("impulse", positive=True) for impulse in impulses})
 
 
 def almost_everywhere(derivatives: Any) -> Any:  # noqa: ANN401 - an expression, or a matrix of them
@@ -159,9 +170,10 @@ def _in_frame(matrix: sympy.Matrix) -> sympy.Matrix:
     """Return the matrix with y_xi = 0, if a rotation R of the physical plane turns it: M(R A) = R M(A) R^t.
 
     Its eigenvalues then stay as they are, and every Jacobian matrix A can be turned to y_xi = 0. The first four
-    rows must belong to `FIRST_DERIVATIVES` for this to be found; it is checked for infinitesimal rotations.
+    rows must belong to `FIRST_DERIVATIVES` for this to be found; it is checked for infinitesimal rotations, but not
+    where there are roots: that would take minutes.
     """
-    if matrix.shape[0] < 4:
+    if matrix.shape[0] < 4 or any(not power.exp.is_Integer for power in matrix.atoms(sympy.Pow)):
         return matrix
     turn = sympy.zeros(*matrix.shape)
     turn[0, 1] = turn[2, 3] = -1
@@ -174,12 +186,16 @@ def _in_frame(matrix: sympy.Matrix) -> sympy.Matrix:
     return matrix.subs(y_xi, 0)
 
 
-def _refute(matrix: sympy.Matrix, symbols: list[Symbol], nonnegative: tuple[Symbol, ...]) -> Definiteness | None:
-    """Return a refutation found at random points, or None."""
+def _refute(matrix: sympy.Matrix, nonnegative: tuple[Symbol, ...], parameters: Admissible) -> Definiteness | None:
+    """Return a refutation found at random points with admissible parameters, or None."""
     random = np.random.default_rng(0)
+    allowed = parameters.sample(random, SAMPLES)
+    symbols = sorted(matrix.free_symbols, key=lambda variable: (variable not in allowed, str(variable)))
     points = random.normal(size=(len(symbols), SAMPLES))
     for row, variable in zip(points, symbols, strict=True):
-        if variable in nonnegative or variable.is_positive:
+        if variable in allowed:
+            row[:] = allowed[variable]
+        elif variable in nonnegative or variable.is_nonnegative:
             np.abs(row, out=row)
     with np.errstate(all="ignore"):
         entries = sympy.lambdify(symbols, list(matrix), "numpy", cse=True)(*points)
@@ -194,7 +210,8 @@ def _refute(matrix: sympy.Matrix, symbols: list[Symbol], nonnegative: tuple[Symb
     worst = int(relative.argmin())
     if relative[worst] >= -_ROUND_OFF:
         return None
-    witness = tuple((variable, float(row[worst])) for variable, row in zip(symbols, points, strict=True))
+    named = ((v, float(row[worst])) for v, row in zip(symbols, points, strict=True) if not isinstance(v, sympy.Dummy))
+    witness = tuple(named)
     return Definiteness(holds=False, proof="refuted", witness=witness)
 
 

@@ -88,7 +88,7 @@ def test_facts_are_those_of_the_classification():
         "Invariant under": "translation, rotation, exchange of ξ and η",
         "Scaling": "of degree $4$",
         "Lower bound": "$2$ (proved)",
-        "Polyconvex": "yes (proved)",
+        "Polyconvex": "yes, where $J > 0$ (proved)",
     }
     other = classification(
         barrier=False,

@@ -69,9 +69,9 @@ def solve_by_newton(
     if control.holds_back:
         return Outcome(
             Status.HELD_BACK,
-            f"the solution lies beyond the valid grids: every step towards it would fold a cell. The residual's "
-            f"norm is {norm:.2e}, {norm / first:.1e} of its first value. This is the best valid grid; "
-            "keep_valid=False lets cells fold.",
+            "every step towards a solution that was tried would fold a cell; whether a valid grid solves the equations "
+            f"is not known. The residual's norm is {norm:.2e}, {norm / first:.1e} of its first value. This is the best "
+            "valid grid; keep_valid=False lets cells fold.",
         )
     why = f"{limit} steps have brought the residual's norm to {norm:.2e}, {norm / first:.1e} of its first value."
     return Outcome(Status.ITERATION_LIMIT, why + str(control))

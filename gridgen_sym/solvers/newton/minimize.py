@@ -34,7 +34,9 @@ _WHY = {
     Status.ITERATION_LIMIT: "{steps} Newton steps were not enough; allow more with max_iterations",
     Status.STALLED: "no step downhill was found",
     Status.DIVERGED: "the steps diverge, which happens where the energy has no lower bound",
-    Status.HELD_BACK: "the minimum lies beyond the valid grids: every step downhill would fold a cell",
+    Status.HELD_BACK: (
+        "every step downhill that was tried would fold a cell; whether a valid grid has less energy is not known"
+    ),
     Status.UNSETTLED: (
         "the grid does not settle: wherever a step that sees a frozen weight moves the nodes, the weight is another. A "
         "weight in the mode 'differentiated' belongs to the energy, and a smaller or smoother one changes less"

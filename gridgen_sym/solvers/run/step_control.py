@@ -42,7 +42,7 @@ class StepControl:
 
     @property
     def holds_back(self) -> bool:
-        """Whether the solution lies beyond the valid grids."""
+        """Whether the steps are cut so short, lest cells fold, that they lead nowhere."""
         return self.in_vain >= _PATIENCE
 
     def __str__(self) -> str:

@@ -1,6 +1,7 @@
 """Classify a functional: everything is decided from its density, nothing from its name.
 
-Parameters stand at their default values. Claims about the type hold where J > 0, that is on valid grids.
+Parameters stand at their default values, but for polyconvexity, which is decided for all that are admissible. Claims
+about the type hold where J > 0, that is on valid grids, and away from kinks.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from .invariance import (
     reparametrization_degrees,
     scaling_degree,
 )
+from .kinks import kinks
 from .principal_symbol import determinant, principal_symbol
 from .random_jets import Type, sampled_type
 
@@ -50,7 +52,9 @@ class Classification:
         reparametrization_degrees: the degrees of the density in g1 and in g2, None where it has none.
         lower_bound: a lower bound of the density where J > 0, the greatest one where that was proved.
         barrier: whether the density tends to infinity as J tends to zero from above.
-        polyconvex: whether P(A, J) is convex where J > 0, and how that is known.
+        polyconvex: whether P(A, J) is convex where J > 0, at all admissible parameters, and how that is known.
+        kinks: expressions at whose zeros the first derivatives of the density jump or do not exist, where J > 0; the
+            equations, and their type, are those elsewhere.
     """
 
     functional: Functional
@@ -69,6 +73,7 @@ class Classification:
     lower_bound: LowerBound
     barrier: bool
     polyconvex: Definiteness
+    kinks: tuple[Expr, ...]
 
     def words(self) -> tuple[str, ...]:
         """Return the classification in the words of the field."""
@@ -116,6 +121,7 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
     rest = _rest(functional, variant, defaults)
     rotates, degree = is_rotation_invariant(density), scaling_degree(density)
     moves = variant == "differentiated" and density.has(s)
+    bends = kinks(density)
     return Classification(
         functional=functional,
         variant=variant,
@@ -126,7 +132,7 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
         ellipticity=ellipticity(
             matrix, rotates=rotates, turns=is_logical_rotation_invariant(density), positive=(s, epsilon)
         ),
-        null_lagrangian=_is_zero(matrix) and _is_zero(rest),
+        null_lagrangian=not bends and _is_zero(matrix) and _is_zero(rest),
         translation=not moves,
         rotation=rotates and not moves,
         scaling_degree=None if moves else degree,
@@ -135,6 +141,7 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
         lower_bound=lower_bound(density, rotates=rotates, degree=degree),
         barrier=has_barrier(functional) and variant != "regularized",
         polyconvex=corner_model(functional, variant).splitting,
+        kinks=bends,
     )
 
 

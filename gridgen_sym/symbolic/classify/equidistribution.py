@@ -19,7 +19,7 @@ from ..derive.discrete import variant_density
 
 
 @dataclass(frozen=True, slots=True)
-class Equidistribution:
+class EquidistributionLaw:
     """A^t R/J = multiplier * gradient(law) in (xi, eta), so that the extremals keep `law` constant.
 
     Attributes:
@@ -31,7 +31,7 @@ class Equidistribution:
     multiplier: Expr
 
 
-def equidistribution(functional: Functional, variant: Variant) -> Equidistribution | None:
+def equidistribution(functional: Functional, variant: Variant) -> EquidistributionLaw | None:
     """Find the law of a weighted variant, and prove it; None where there is none of the form s^a J."""
     density = variant_density(functional, variant)
     if density.free_symbols - {J, s} or variant not in ("frozen", "differentiated"):
@@ -47,7 +47,7 @@ def equidistribution(functional: Functional, variant: Variant) -> Equidistributi
         return None
     law = s**power * J
     multiplier = sympy.powsimp(along_j / s**power)
-    return Equidistribution(law, multiplier) if _is_gradient(functional, variant, law, multiplier) else None
+    return EquidistributionLaw(law, multiplier) if _is_gradient(functional, variant, law, multiplier) else None
 
 
 def _is_gradient(functional: Functional, variant: Variant, law: Expr, multiplier: Expr) -> bool:

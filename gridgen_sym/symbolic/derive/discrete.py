@@ -17,6 +17,7 @@ from sympy import Expr, Symbol
 from ...errors import GridgenError
 from ...functionals.definition import Functional
 from ...functionals.metric import symbol
+from ..admissible import Admissible, admissible
 from ..coordinates import (
     FIRST_DERIVATIVES,
     METRIC,
@@ -56,8 +57,8 @@ class CornerModel:
         gradient: its 4 derivatives in (x_xi, y_xi, x_eta, y_eta).
         hessian: the full 4x4 second derivative.
         semidefinite_hessian: the 4x4 second derivative of P(A, J) without the term dP/dJ d²J.
-        splitting: whether P is convex, so that `semidefinite_hessian` is positive semidefinite, and how that
-            was decided; where it is not, kernels clamp the eigenvalues of `hessian`.
+        splitting: whether P is convex where J > 0 and the parameters are admissible, so that `semidefinite_hessian` is
+            positive semidefinite there, and how that was decided; else kernels clamp the eigenvalues of `hessian`.
         position_gradient: 2 derivatives in the corner's own position, through s(x, y); zero unless
             `variant` is `differentiated`.
         position_cross: 4x2 mixed derivatives (edge vectors, position).
@@ -137,7 +138,7 @@ def corner_model(functional: Functional, variant: Variant = "plain") -> CornerMo
         gradient=gradient(density),
         hessian=hessian(density),
         semidefinite_hessian=hessian(density, drop_jacobian_curvature=True),
-        splitting=_splitting(density, nonnegative_parameters(functional)),
+        splitting=_splitting(density, admissible(functional)),
         position_gradient=(position[0], position[1]),
         position_cross=sympy.Matrix(gradient(density_s)) * weight.T,
         position_hessian=sympy.diff(density_s, s) * weight * weight.T + density_s * weight_second,
@@ -230,15 +231,9 @@ def _metric_hessian(m: Symbol) -> sympy.Matrix:
     return sympy.hessian(METRIC[m], FIRST_DERIVATIVES)
 
 
-def nonnegative_parameters(functional: Functional) -> tuple[Symbol, ...]:
-    """Return the parameters that a constraint of the form `"k >= 0"` keeps from being negative."""
-    return tuple(symbol(name) for name in functional.parameters if f"{name} >= 0" in functional.constraints)
-
-
-def _splitting(density: Expr, nonnegative: tuple[Symbol, ...]) -> Definiteness:
-    """Decide whether P(A, J), with J (or chi) a positive variable of its own, is convex."""
+def _splitting(density: Expr, parameters: Admissible) -> Definiteness:
+    """Decide whether P(A, J), with J (or chi) a positive variable of its own, is convex at admissible parameters."""
     determinant = sympy.Symbol("D", positive=True)
     split = density.subs({J: determinant, chi: determinant}).subs({m: METRIC[m] for m in (g11, g22, g12)})
-    return semidefinite(
-        sympy.hessian(split, (*FIRST_DERIVATIVES, determinant)), nonnegative=(determinant, s, *nonnegative)
-    )
+    second = sympy.hessian(split, (*FIRST_DERIVATIVES, determinant))
+    return semidefinite(second, nonnegative=(determinant, s), parameters=parameters)

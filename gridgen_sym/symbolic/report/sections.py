@@ -67,7 +67,8 @@ def sections(functional: Functional) -> Iterator[Section]:
     yield Section("Density", (("F", functional.expression()),))
     yield from _corner(corner_model(functional, "plain"))
     yield from _equations(euler_lagrange(functional, "plain"), "Euler-Lagrange equations, with s = 1")
-    yield Section("Classification, where J > 0", tuple(_classification(classify(functional))))
+    found = classify(functional)
+    yield Section(f"Classification, where J > 0{_at_defaults(functional)}", tuple(_classification(found)))
     if functional.expression().has(s):
         for variant in _weighted():
             derived = euler_lagrange(functional, variant)
@@ -79,18 +80,36 @@ def _weighted() -> tuple[Variant, Variant]:
     return ("frozen", "differentiated")
 
 
+def _at_defaults(functional: Functional) -> str:
+    """Return at which values of the parameters a functional is classified, nothing where it has none."""
+    values = ", ".join(f"{name} = {value:g}" for name, value in functional.parameters.items())
+    return f" and {values}" if values else ""
+
+
 def _corner(model: CornerModel) -> Iterator[Section]:
     names = [str(p) for p in FIRST_DERIVATIVES]
     slopes = [(f"dE/d{name}", tidy(part)) for name, part in zip(names, model.gradient, strict=True)]
     yield Section("Corner energy and gradient, with s = 1", (("E", model.energy), *slopes))
     yield Section("Corner Hessian", tuple(_entries("d²E/", model.hessian, names)), detail=True)
-    answer = "positive semidefinite" if model.splitting.holds else "not always positive semidefinite"
-    convex = "polyconvex" if model.splitting.holds else "not polyconvex"
-    sentence = (
-        f"The Hessian H+ without the term dP/dJ d²J is {answer}; the density is {convex} ({model.splitting.proof})."
-    )
+    sentences = tuple(_splitting(model))
     kept = _entries("H+/", model.semidefinite_hessian, names)
-    yield Section("Semidefinite part of the Hessian", (sentence, *kept), detail=True)
+    yield Section("Semidefinite part of the Hessian", (*sentences, *kept), detail=True)
+
+
+def _splitting(model: CornerModel) -> Iterator[str]:
+    """Yield whether the Hessian without a term is semidefinite, for which parameters, and a witness where it is not."""
+    found = model.splitting
+    answer = "positive semidefinite" if found.holds else "not always positive semidefinite"
+    convex = "polyconvex" if found.holds else "not polyconvex"
+    where = " and ".join(("J > 0", *model.functional.constraints))
+    yield (
+        f"The Hessian H+ without the term dP/dJ d²J is {answer} where {where}; "
+        f"the density is {convex} there ({found.proof})."
+    )
+    if found.witness:
+        values = ", ".join(f"{name} = {value:.6g}" for name, value in found.witness)
+        free = ", with D for J as a variable of its own" if any(str(name) == "D" for name, _ in found.witness) else ""
+        yield f"Witness, at which P is not convex: {values}{free}."
 
 
 def _entries(head: str, matrix: sympy.Matrix, names: list[str]) -> list[tuple[str, Expr]]:
@@ -136,6 +155,11 @@ def _classification(found: Classification) -> Iterator[Item]:
     if found.ellipticity.witness:
         values = ", ".join(f"{name} = {value}" for name, value in found.ellipticity.witness)
         yield f"Witness of det A < 0 with J > 0: {values}."
+    for kink in found.kinks:
+        yield (
+            f"The first derivatives of F jump or do not exist where {kink} = 0: the equations and their type are those "
+            "elsewhere, and a minimum at such a kink need not solve the equations."
+        )
     yield ("A(k)", found.symbol.applyfunc(lambda entry: tidy_quadratic(entry, (k1, k2))))
     yield ("det A(k)", sympy.factor_terms(found.determinant))
     yield f"Null Lagrangian: {_yes(found.null_lagrangian)}. Barrier at J = 0: {_yes(found.barrier)}."

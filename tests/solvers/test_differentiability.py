@@ -1,0 +1,38 @@
+"""A functional without a derivative at the grid: the run ends with the term, and the command line with 1."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gridgen_sym as gg
+from gridgen_sym.functionals import Functional
+from gridgen_sym.solvers.differentiability import missing_derivative
+
+KINK = "sqrt(g12**2 + (g11 - g22)**2)"
+
+
+@pytest.mark.parametrize("method", ["newton", "local"])
+def test_the_term_without_a_derivative_is_named(method, clean_registry, monkeypatch):
+    monkeypatch.setenv("GRIDGEN_SYM_BACKEND", "numpy")
+    gg.define("kink", "g11 + g22 + sqrt(abs(g12))")
+    result = gg.optimize(gg.domain("square", 5, 5), "kink", method)
+    assert not result.converged
+    assert result.status is gg.Status.NOT_DIFFERENTIABLE
+    assert "the functional kink has no derivative at this grid: the term sqrt(Abs(g12)) is" in result.message
+    assert "no step downhill" not in result.message
+
+
+def test_corners_are_counted():
+    planes = gg.domain("square", 5, 5).planes.copy()
+    assert f"{KINK} is not smooth at 64 of 64 corners" in missing_derivative(Functional("kink", KINK), None, planes)
+    planes[0, 2, 2] += 0.01
+    assert f"{KINK} is not smooth at 52 of 64 corners" in missing_derivative(Functional("kink", KINK), None, planes)
+    assert missing_derivative(Functional("smooth", "g11**2"), None, planes) is None
+
+
+def test_parameters_are_those_of_the_run():
+    functional = Functional("shifted", "sqrt(abs(J - k))", parameters={"k": 2.0})
+    planes = np.stack(np.meshgrid(np.arange(4.0), np.arange(4.0), indexing="ij"))
+    assert missing_derivative(functional, None, planes) is None
+    assert "sqrt(Abs(J - k))" in missing_derivative(functional, {"k": 1.0}, planes)
