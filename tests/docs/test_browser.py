@@ -139,6 +139,13 @@ def test_a_page_is_whole_without_a_network(browser, address, page):
 
 
 @needs_browser
+def test_tables_of_numbers_are_not_cut_on_a_desktop(browser, address):
+    show(browser, address + "benchmarks.html", DESKTOP)
+    cut = "return [...document.querySelectorAll('.table-wrapper')].filter(t => t.scrollWidth > t.clientWidth).length"
+    assert browser.execute_script(cut) == 0
+
+
+@needs_browser
 def test_a_fold_opens_and_its_mathematics_fit(browser, address):
     show(browser, address + "functionals/modified_liao.html", PHONE)
     browser.execute_script("document.querySelectorAll('details').forEach(fold => fold.open = true)")

@@ -516,7 +516,7 @@ def test_two_processes_with_one_cold_cache_make_the_same_grid(cache):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["gcc", "clang"])
 def test_everything_runs_under_a_compiler_that_is_strict(name, monkeypatch, cache):
-    """The flags of CC come after ours, so that kernels, multigrid and the trial of OpenMP are all compiled with them."""
+    """The flags of CC come after ours, so that kernels, multigrid and the trial of OpenMP are compiled with them."""
     if not shutil.which(name):
         pytest.skip(f"there is no {name}")
     monkeypatch.setenv("CC", f"{name} -Wall -Wextra -Wconversion -Werror")
