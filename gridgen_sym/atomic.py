@@ -10,7 +10,12 @@ import stat
 from pathlib import Path
 from typing import BinaryIO
 
-from .errors import GridgenError
+from .errors import GridgenError, shortened
+
+
+def shown(path: str | os.PathLike[str]) -> str:
+    """Return a path for a message; no path in use is cut."""
+    return shortened(os.fspath(path), 500)
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = None) -> None:
@@ -31,9 +36,9 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
     """
     target = Path(os.path.realpath(path))
     if os.path.isdir(target):  # Unlike Path.is_dir, never an error, not even for a name too long.
-        raise GridgenError(f"cannot write {path}: it is a folder; name a file in it")
+        raise GridgenError(f"cannot write {shown(path)}: it is a folder; name a file in it")
     if not os.path.isdir(target.parent):
-        raise GridgenError(f"cannot write {path}: the folder {target.parent} does not exist; make it first")
+        raise GridgenError(f"cannot write {shown(path)}: the folder {target.parent} does not exist; make it first")
     try:
         _check_link(Path(path))
         old = target.lstat() if os.path.lexists(target) else None  # A link that is left goes round in circles.
@@ -43,7 +48,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
             _pour(target, data, old.st_mode)
     except OSError as error:
         raise GridgenError(
-            f"cannot write {path}: {error.strerror or error}; check the permissions and the free space of "
+            f"cannot write {shown(path)}: {error.strerror or error}; check the permissions and the free space of "
             "its folder, or write elsewhere"
         ) from error
 
@@ -56,7 +61,8 @@ def _check_link(path: Path) -> None:
     everyone = folder.st_mode & stat.S_ISVTX and folder.st_mode & stat.S_IWOTH
     if everyone and path.lstat().st_uid not in (os.geteuid(), folder.st_uid):
         raise GridgenError(
-            f"cannot write {path}: it is another user's symbolic link in a folder for everyone; name the file itself"
+            f"cannot write {shown(path)}: it is another user's symbolic link in a folder for everyone; name the file "
+            "itself"
         )
 
 
@@ -93,13 +99,15 @@ def _set_permissions(stream: BinaryIO, mode: int | None, old: os.stat_result | N
 def _pour(target: Path, data: bytes, mode: int) -> None:
     """Write to a character device, or to a pipe that some program reads."""
     if not (stat.S_ISCHR(mode) or stat.S_ISFIFO(mode)):
-        raise GridgenError(f"cannot write {target}: it is neither a file nor a device that takes characters")
+        raise GridgenError(f"cannot write {shown(target)}: it is neither a file nor a device that takes characters")
     try:
         # Without waiting: a pipe that nobody reads would hold us up for ever.
         number = os.open(target, os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY)
     except OSError as error:
         if error.errno == errno.ENXIO and stat.S_ISFIFO(mode):
-            raise GridgenError(f"cannot write {target}: no program reads that pipe; start its reader first") from error
+            raise GridgenError(
+                f"cannot write {shown(target)}: no program reads that pipe; start its reader first"
+            ) from error
         raise
     os.set_blocking(number, True)
     with open(number, "wb") as stream:
@@ -115,14 +123,14 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
     try:
         status = os.stat(path)
         if stat.S_ISCHR(status.st_mode) or stat.S_ISBLK(status.st_mode):  # Such as /dev/zero, which has no end.
-            raise GridgenError(f"cannot read {path}: it is a device; name a file")
+            raise GridgenError(f"cannot read {shown(path)}: it is a device; name a file")
         data = Path(path).read_bytes()
     except FileNotFoundError as error:
-        raise GridgenError(f"cannot read {path}: there is no such file; check its name and folder") from error
+        raise GridgenError(f"cannot read {shown(path)}: there is no such file; check its name and folder") from error
     except IsADirectoryError as error:
-        raise GridgenError(f"cannot read {path}: it is a folder; name a file in it") from error
+        raise GridgenError(f"cannot read {shown(path)}: it is a folder; name a file in it") from error
     except OSError as error:
-        raise GridgenError(f"cannot read {path}: {error.strerror or error}; check its permissions") from error
+        raise GridgenError(f"cannot read {shown(path)}: {error.strerror or error}; check its permissions") from error
     if not data.strip():
-        raise GridgenError(f"cannot read {path}: the file is empty; write it again")
+        raise GridgenError(f"cannot read {shown(path)}: the file is empty; write it again")
     return data

@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+#: A message of more characters is cut in its middle, whatever it quotes; messages of compilers are longest.
+_LONGEST = 6000
+
 
 class GridgenError(ValueError):
     """Input that gridgen_sym cannot use; the message says what is wrong with it and how to mend it."""
+
+    def __init__(self, message: str) -> None:
+        """Keep a message that can be read: `quoted` shortens what a user gave, and this all else."""
+        half = _LONGEST // 2
+        left_out = len(message) - 2 * half
+        if left_out > _LONGEST // 50:  # A message that was cut stays as it is when it is made again from a pickle.
+            message = f"{message[:half]} ... ({left_out} characters left out) ... {message[-half:]}"
+        super().__init__(message)
 
 
 def quoted(value: object, longest: int = 200) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..grids import Grid
 from .equidistribution import cell_areas, cell_means
 from .recovery import from_inside, nodal_values, recover_gradient
@@ -82,7 +82,7 @@ def richardson_error(grid: Grid, values: npt.ArrayLike, coarse_values: npt.Array
     if ni % 2 == 0 or nj % 2 == 0:
         raise GridgenError(f"Richardson's estimate needs odd numbers of nodes; the grid has {ni} x {nj}")
     if not order > 0:
-        raise GridgenError(f"the order of convergence must be positive; came {order!r}")
+        raise GridgenError(f"the order of convergence must be positive; came {quoted(order)}")
     coarse = nodal_values(Grid(grid.xy[::2, ::2]), coarse_values, "values on the grid of every second node")
     error = np.empty_like(fine)
     error[::2, ::2] = (fine[::2, ::2] - coarse) / (1 - 2.0**order)

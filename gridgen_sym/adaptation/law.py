@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..fields.weight import LARGEST
 from ..grids import Grid
 from .equidistribution import cell_areas, cell_means
@@ -38,8 +38,8 @@ def law_of(functional: str, power: float | None = None) -> tuple[float, float]:
         return float(power), 0.0
     if functional not in _LAWS:
         raise GridgenError(
-            f"how {functional!r} places nodes with a weight is not known: pass power=, the power of the density of "
-            f"nodes that its weight must be, or take one of {', '.join(_LAWS)}"
+            f"how {quoted(functional)} places nodes with a weight is not known: pass power=, the power of the density "
+            f"of nodes that its weight must be, or take one of {', '.join(_LAWS)}"
         )
     return _LAWS[functional]
 

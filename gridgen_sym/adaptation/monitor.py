@@ -32,7 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..fields.sampled import nodal
 from ..grids import Grid
 from .equidistribution import cell_areas, cell_means
@@ -105,15 +105,16 @@ class Monitor:
         """Check the arguments."""
         if not callable(self.measure) and self.measure not in _MEASURES:
             raise GridgenError(
-                f"unknown monitor {self.measure!r}; known: {', '.join(_MEASURES)}, or your own function of the grid "
-                "and the nodal values"
+                f"unknown monitor {quoted(self.measure)}; known: {', '.join(_MEASURES)}, or your own function of the "
+                "grid and the nodal values"
             )
         if not isinstance(self.share, (int, float, np.number)) or not 0 <= self.share < 1:
             raise GridgenError(
-                f"share is that of the nodes that features are to have, at least 0 and below 1; came {self.share!r}"
+                "share is that of the nodes that features are to have, at least 0 and below 1; came "
+                f"{quoted(self.share)}"
             )
         if not isinstance(self.smoothing, (int, np.integer)) or self.smoothing < 0:
-            raise GridgenError(f"smoothing is a number of passes, not negative; came {self.smoothing!r}")
+            raise GridgenError(f"smoothing is a number of passes, not negative; came {quoted(self.smoothing)}")
 
     @property
     def name(self) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..grids.grid import Grid, check_counts
 from ..grids.transfinite import transfinite
 from .curves import Side, arc, curve, line, polyline
@@ -75,7 +75,7 @@ def _find(name: str) -> _Domain:
         return _DOMAINS[name]
     close = difflib.get_close_matches(name, _DOMAINS, n=3, cutoff=0.4)
     hint = f"did you mean {' or '.join(repr(c) for c in close)}? " if close else ""
-    raise GridgenError(f"no classical domain is called {name!r}: {hint}Known: {', '.join(domain_names())}")
+    raise GridgenError(f"no classical domain is called {quoted(name)}: {hint}Known: {', '.join(domain_names())}")
 
 
 def _classical(description: str) -> Callable[[Callable[..., Sides]], Callable[..., Sides]]:

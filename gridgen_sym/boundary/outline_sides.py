@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..arrays import Array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from .corners import CornerChoice, Corners, corner_penalty, settled_corners
 from .polygon import inner_angles
 from .sampling import Sampling, sample
@@ -16,7 +16,7 @@ from .sampling import Sampling, sample
 def check_sampling(sampling: str) -> None:
     """Raise a `GridgenError` unless there is such a sampling."""
     if sampling not in ("features", "equal"):
-        raise GridgenError(f"sampling must be 'features' or 'equal', but is {sampling!r}")
+        raise GridgenError(f"sampling must be 'features' or 'equal', but is {quoted(sampling)}")
 
 
 def rolled(points: Array, corners: Corners) -> tuple[Array, Corners]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..grids.grid import Grid, check_grid
 from .boundary_proofs import boundary_proofs
 from .branching import DEFAULT_BUDGET, Conflict
@@ -96,7 +96,9 @@ def _check_arguments(grid: Grid, budget: int, work: int | None) -> int:
     if work is not None:
         warnings.warn("the argument `work` is called `budget` now", DeprecationWarning, stacklevel=3)
     if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 1:
-        raise GridgenError(f"{name} must be an integer, at least 1, the number of constraints to apply; came {value!r}")
+        raise GridgenError(
+            f"{name} must be an integer, at least 1, the number of constraints to apply; came {quoted(value)}"
+        )
     return int(value)
 
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from .facts import KernelFacts
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def find_backend(name: str) -> Backend:
     installed = _installed()
     if name not in installed:
         known = " or ".join(map(repr, (*BUILTIN, *_registered, *installed)))
-        raise GridgenError(f"unknown backend {name!r}: GRIDGEN_SYM_BACKEND and backend= take {known}")
+        raise GridgenError(f"unknown backend {quoted(name)}: GRIDGEN_SYM_BACKEND and backend= take {known}")
     return _checked(installed[name].load())
 
 
@@ -105,4 +105,4 @@ def _checked(backend: object) -> Backend:
     if isinstance(backend, Backend):
         return backend
     lacking = [part for part in ("name", "suffix", "missing", "render", "load") if not hasattr(backend, part)]
-    raise GridgenError(f"{backend!r} is no back end: it lacks {', '.join(lacking)} of the protocol Backend")
+    raise GridgenError(f"{quoted(backend)} is no back end: it lacks {', '.join(lacking)} of the protocol Backend")

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..grids import Grid
 from .field import Field, as_field
 from .field import Source as Source
@@ -79,7 +79,7 @@ class Weight:
     def __post_init__(self) -> None:
         """Make the field, and check what can be checked without a grid."""
         if self.mode not in ("frozen", "differentiated"):
-            raise GridgenError(f"a weight's mode must be 'frozen' or 'differentiated'; came {self.mode!r}")
+            raise GridgenError(f"a weight's mode must be 'frozen' or 'differentiated'; came {quoted(self.mode)}")
         object.__setattr__(self, "field", as_field(self.source, "the weight"))
         if self.per_node and self.mode != "frozen":
             raise GridgenError(

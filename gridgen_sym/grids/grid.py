@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array, real_array
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 
 SMALLEST = 3  # Fewer nodes along an axis leave no free node.
 
@@ -153,7 +153,7 @@ def check_counts(ni: int, nj: int) -> None:
     """Raise a `GridgenError` unless `ni` and `nj` are numbers of nodes that a grid can have."""
     for axis, count in (("ni", ni), ("nj", nj)):
         if not isinstance(count, int | np.integer) or count < SMALLEST:
-            raise GridgenError(f"{axis} must be a whole number of nodes, at least {SMALLEST}, but is {count!r}")
+            raise GridgenError(f"{axis} must be a whole number of nodes, at least {SMALLEST}, but is {quoted(count)}")
 
 
 def boundary_indices(ni: int, nj: int) -> NDArray[np.intp]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..atomic import read_bytes, write_bytes
+from ..atomic import read_bytes, shown, write_bytes
 from ..errors import GridgenError, MissingExtraError, quoted
 from ..grids.grid import Grid
 from . import cgns, npz, plot3d, tables, vtk
@@ -56,7 +56,7 @@ def read(path: str | os.PathLike[str]) -> Grid:
     except MissingExtraError:
         raise
     except GridgenError as error:
-        raise GridgenError(f"cannot read {path} as a {form.name}: {error}") from error
+        raise GridgenError(f"cannot read {shown(path)} as a {form.name}: {error}") from error
 
 
 def write(grid: Grid, path: str | os.PathLike[str]) -> None:
@@ -87,5 +87,5 @@ def _format_of(path: str | os.PathLike[str]) -> _Format:
     if suffix not in _FORMATS:
         known = ", ".join(f"{key} ({form.name})" for key, form in _FORMATS.items())
         what = f"the suffix '{suffix}' is unknown" if suffix else "it has no suffix"
-        raise GridgenError(f"cannot tell the kind of the grid file {text}: {what}; use one of {known}")
+        raise GridgenError(f"cannot tell the kind of the grid file {shown(text)}: {what}; use one of {known}")
     return _FORMATS[suffix]

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..atomic import write_bytes
-from ..errors import GridgenError, MissingExtraError
+from ..errors import GridgenError, MissingExtraError, quoted
 from ..grids.grid import Grid, check_grid
 from ..grids.quality import quality
 
@@ -76,7 +76,7 @@ def plot_grids(
         raise GridgenError(f"a picture in panels needs a grid and a column, but has {len(grids)} and {columns}")
     for pair in grids:
         if not isinstance(pair, tuple | list) or len(pair) != 2:
-            raise GridgenError(f"a picture in panels takes pairs of a title and a grid; came {pair!r}")
+            raise GridgenError(f"a picture in panels takes pairs of a title and a grid; came {quoted(pair)}")
         check_grid(pair[1])
     across = min(columns, len(grids))
     down = -(-len(grids) // across)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from ..codegen.backend import Backend, find_backend
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..messages import say_once
 
 
@@ -19,7 +19,7 @@ def choose_backend(name: str | None = None) -> Backend:
     if name is not None:
         chosen = find_backend(name)
         if lacking := chosen.missing():
-            raise GridgenError(f"the backend {name!r} needs {lacking}")
+            raise GridgenError(f"the backend {quoted(name)} needs {lacking}")
         return chosen
     compiled = find_backend("c")
     if not compiled.missing():

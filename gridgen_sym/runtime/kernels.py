@@ -10,7 +10,7 @@ import numpy as np
 
 from ..codegen.backend import Function, find_backend
 from ..codegen.facts import KernelFacts
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..functionals.definition import Functional
 from .backend import choose_backend
 from .kernel_set import KernelSet
@@ -38,7 +38,7 @@ def kernels(
         GridgenError: for unknown parameters or backends, or if the compiler rejects the kernels.
     """
     if parameters is not None and not isinstance(parameters, Mapping):
-        raise GridgenError(f"parameters must be given by name, as in {{'k': 0.5}}; came {parameters!r}")
+        raise GridgenError(f"parameters must be given by name, as in {{'k': 0.5}}; came {quoted(parameters)}")
     given = dict(parameters or {})
     if variant == "regularized" and "epsilon" not in given:
         raise GridgenError(

@@ -13,7 +13,7 @@ from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
 
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from . import cache
 from .process import run
 
@@ -95,7 +95,9 @@ def _words_of_cc() -> list[str]:
     try:
         return shlex.split(text)
     except ValueError as error:
-        raise GridgenError(f"CC is {text!r}, which a shell could not split into words ({error}): {_UNSET}") from error
+        raise GridgenError(
+            f"CC is {quoted(text)}, which a shell could not split into words ({error}): {_UNSET}"
+        ) from error
 
 
 def _named(words: list[str]) -> Compiler:
@@ -103,19 +105,19 @@ def _named(words: list[str]) -> Compiler:
     named = shlex.join(words)
     path = shutil.which(words[0])
     if not path:
-        raise GridgenError(f"CC is {named!r}, but there is no program {words[0]!r}: {_UNSET}")
+        raise GridgenError(f"CC is {quoted(named)}, but there is no program {quoted(words[0])}: {_UNSET}")
     wraps = tuple(takewhile(lambda word: not word.startswith("-"), words[1:]))
     options = tuple(words[1 + len(wraps) :])
     unsafe = [option for option in options if option in _FAST_MATH]
     if unsafe:
         raise GridgenError(
-            f"CC is {named!r}, but {unsafe[0]} lets the compiler assume that no number is infinite or NaN, by which "
-            "folded cells are found: leave it out"
+            f"CC is {quoted(named)}, but {unsafe[0]} lets the compiler assume that no number is infinite or NaN, by "
+            "which folded cells are found: leave it out"
         )
     version = _version((path, *wraps))
     if not version:
         asked = shlex.join((path, *wraps, "--version"))
-        raise GridgenError(f"CC is {named!r}, but  {asked}  fails, so that it is no working compiler: {_UNSET}")
+        raise GridgenError(f"CC is {quoted(named)}, but  {asked}  fails, so that it is no working compiler: {_UNSET}")
     return Compiler(path, version, _supports_openmp((path, *wraps, *options), version), wraps, options)
 
 

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy.typing as npt
 
 from ..deprecation import renamed_argument
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
@@ -81,7 +81,7 @@ def optimize(
         GridgenError: for input that cannot be used.
     """
     if method not in ("newton", "local"):
-        raise GridgenError(f"unknown method {method!r}: optimize takes 'newton' or 'local'")
+        raise GridgenError(f"unknown method {quoted(method)}: optimize takes 'newton' or 'local'")
     check_controls(tolerance, max_iterations, callback, time_limit)
     definition = find_functional(functional)
 

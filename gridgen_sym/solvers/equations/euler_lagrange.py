@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...deprecation import renamed_argument
-from ...errors import GridgenError
+from ...errors import GridgenError, quoted
 from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
 from ...functionals.registry import functional as find_functional
@@ -88,7 +88,7 @@ def solve_euler_lagrange(
         GridgenError: for input that cannot be used.
     """
     if method not in ("newton", "relaxation"):
-        raise GridgenError(f"unknown method {method!r}: solve_euler_lagrange takes 'newton' or 'relaxation'")
+        raise GridgenError(f"unknown method {quoted(method)}: solve_euler_lagrange takes 'newton' or 'relaxation'")
     check_controls(tolerance, max_iterations, callback, time_limit)
     _check_numbers(spacing, relaxation)
     definition = find_functional(functional)
@@ -147,9 +147,9 @@ def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> No
     given = np.asarray(spacing, dtype=object).ravel()
     numbers = [isinstance(value, (int, float, np.number)) and 0 < value < np.inf for value in given]
     if numbers != [True, True]:
-        raise GridgenError(f"spacing must be two positive numbers, along xi and along eta; came {spacing!r}")
+        raise GridgenError(f"spacing must be two positive numbers, along xi and along eta; came {quoted(spacing)}")
     if relaxation is not None and not (isinstance(relaxation, (int, float, np.number)) and 0 < relaxation < 2):
-        raise GridgenError(f"expected a relaxation between 0 and 2; came {relaxation!r}")
+        raise GridgenError(f"expected a relaxation between 0 and 2; came {quoted(relaxation)}")
 
 
 def _choose(run: Run, equations: Equations, outcome: Outcome, keep_valid: bool) -> Outcome:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...arrays import Mask
-from ...errors import GridgenError
+from ...errors import GridgenError, quoted
 from ...grids import Grid
 from .progress import Callback
 
@@ -61,20 +61,20 @@ def check_controls(
     """Refuse a tolerance, a number of iterations, a callback or a time limit that means nothing."""
     if not isinstance(tolerance, (int, float, np.number)) or not 0 < tolerance < 1:
         raise GridgenError(
-            f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {tolerance!r}"
+            f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {quoted(tolerance)}"
         )
     if max_iterations is not None and (
         isinstance(max_iterations, bool) or not isinstance(max_iterations, (int, np.integer))
     ):
-        raise GridgenError(f"max_iterations must be a whole number; came {max_iterations!r}")
+        raise GridgenError(f"max_iterations must be a whole number; came {quoted(max_iterations)}")
     if max_iterations is not None and max_iterations < 0:
         raise GridgenError(f"max_iterations must not be negative; came {max_iterations}")
     if callback is not None and not callable(callback):
-        raise GridgenError(f"callback must be a function of one Step; came {callback!r}")
+        raise GridgenError(f"callback must be a function of one Step; came {quoted(callback)}")
     check_time_limit(time_limit)
 
 
 def check_time_limit(time_limit: float | None) -> None:
     """Refuse a time limit that means nothing."""
     if time_limit is not None and not (isinstance(time_limit, (int, float, np.number)) and time_limit > 0):
-        raise GridgenError(f"time_limit must be a positive number of seconds; came {time_limit!r}")
+        raise GridgenError(f"time_limit must be a positive number of seconds; came {quoted(time_limit)}")

@@ -1,0 +1,69 @@
+"""Messages stay readable, whatever was given: what a user typed is shortened, and so is everything else."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+import gridgen_sym as gg
+from gridgen_sym.errors import GridgenError, MissingExtraError, quoted
+
+LONG = "x" * 100_000
+SQUARE = gg.domain("square", 5, 5)
+CALLS = {
+    "weight": lambda: gg.optimize(SQUARE, "winslow", weight=LONG),
+    "weight with brackets": lambda: gg.optimize(SQUARE, "winslow", weight="(" * 100_000),
+    "functional": lambda: gg.optimize(SQUARE, LONG),
+    "method": lambda: gg.optimize(SQUARE, "winslow", LONG),
+    "parameter": lambda: gg.optimize(SQUARE, "winslow", parameters={LONG: 1}),
+    "value of a parameter": lambda: gg.optimize(SQUARE, "area_winslow", parameters={"k": LONG}),
+    "parameters": lambda: gg.optimize(SQUARE, "winslow", parameters=LONG),
+    "backend": lambda: gg.optimize(SQUARE, "winslow", backend=LONG),
+    "tolerance": lambda: gg.optimize(SQUARE, "winslow", tolerance=LONG),
+    "iterations": lambda: gg.optimize(SQUARE, "winslow", max_iterations=LONG),
+    "time limit": lambda: gg.optimize(SQUARE, "winslow", time_limit=LONG),
+    "callback": lambda: gg.optimize(SQUARE, "winslow", callback=LONG),
+    "equations": lambda: gg.solve_euler_lagrange(SQUARE, "winslow", LONG),
+    "mode": lambda: gg.Weight("x", LONG),
+    "definition": lambda: gg.define("long", LONG),
+    "name": lambda: gg.define(LONG, "g11"),
+    "domain": lambda: gg.domain(LONG, 5, 5),
+    "nodes": lambda: gg.domain("square", LONG, 5),
+    "sampling": lambda: gg.Outline([[0, 0], [1, 0], [1, 1], [0, 1]], (0, 1, 2, 3)).grid(5, 5, sampling=LONG),
+    "corners": lambda: gg.Outline([[0, 0], [1, 0], [1, 1], [0, 1]], range(100_000)),
+    "file": lambda: gg.read(LONG),
+    "file with a suffix": lambda: gg.read(f"{LONG}.vts"),
+    "file to write": lambda: SQUARE.write(f"{LONG}.vts"),
+    "outline": lambda: gg.Outline.read(LONG),
+    "adapt": lambda: gg.adapt(SQUARE, LONG),
+    "monitor": lambda: gg.Monitor(LONG),
+    "steps": lambda: gg.adapt(SQUARE, "x", steps=LONG),
+    "boundary": lambda: gg.adapt(SQUARE, "x", boundary=LONG),
+    "equidistribution": lambda: gg.adapt(SQUARE, "x", functional=LONG),
+    "size": lambda: gg.optimize(LONG, "winslow"),
+}
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_what_was_given_is_quoted_in_short(call):
+    with pytest.raises(GridgenError) as told:
+        CALLS[call]()
+    assert 20 < len(str(told.value)) < 1200
+
+
+def test_what_nobody_shortened_is_cut_in_its_middle():
+    error = GridgenError(f"begin {LONG} end")
+    assert str(error).startswith("begin xxx")
+    assert str(error).endswith("xxx end")
+    assert "(94010 characters left out)" in str(error)
+    assert len(str(error)) < 6100
+    again = pickle.loads(pickle.dumps(error))
+    assert (type(again), str(again)) == (GridgenError, str(error))
+    assert str(GridgenError("short")) == "short"
+    assert str(pickle.loads(pickle.dumps(MissingExtraError("this", "plot", "matplotlib")))).startswith("this needs")
+
+
+def test_quoting():
+    assert quoted("k") == "'k'"
+    assert quoted(LONG) == f"'{'x' * 199}... (100002 characters)"
