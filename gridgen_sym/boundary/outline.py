@@ -14,7 +14,6 @@ from ..arrays import Array
 from ..atomic import read_bytes, write_bytes
 from ..errors import GridgenError
 from ..grids.grid import Grid, check_counts
-from ..grids.transfinite import transfinite
 from ..messages import say
 from .corners import CornerChoice, Corners, automatic_corners
 from .outline_checks import checked_corners, checked_points, crossing_text, run_backwards
@@ -22,6 +21,7 @@ from .outline_file import parse_outline
 from .outline_sides import check_sampling, corner_choice, rolled, sampled_sides
 from .polygon import first_crossing, first_repeated, is_clockwise
 from .sampling import Sampling
+from .sides import Sides, grid_of_sides, ring_of_sides, sides_of_ring
 
 #: Nodes of the grid for which an outline's own corners are chosen automatically.
 _NOMINAL = 65
@@ -187,11 +187,15 @@ class Outline:
         Raises:
             GridgenError: as for `choose_corners`.
         """
+        sides = self._sides(ni, nj, corners, sampling)
+        return sides.bottom, sides.top, sides.left, sides.right
+
+    def _sides(self, ni: int, nj: int, corners: ArrayLike | Literal["auto"] | None, sampling: Sampling) -> Sides[Array]:
+        """Sample the sides, in the order of the package; a moved corner is reported."""
         choice = self.choose_corners(ni, nj, corners, sampling)
         if choice.message:
             say(choice.message)
-        bottom, right, top, left = sampled_sides(self.points, choice.corners, (ni, nj), sampling)
-        return bottom, top[::-1], left[::-1], right
+        return sides_of_ring(sampled_sides(self.points, choice.corners, (ni, nj), sampling))
 
     def grid(
         self,
@@ -206,8 +210,8 @@ class Outline:
             GridgenError: as for `sides`, and when two of the sampled nodes are one point or their polygon crosses
                 itself, so that the grid would fold or overlap itself.
         """
-        bottom, top, left, right = self.sides(ni, nj, corners, sampling)
-        ring = np.concatenate((bottom[:-1], right[:-1], top[:0:-1], left[:0:-1]))
+        sides = self._sides(ni, nj, corners, sampling)
+        ring = ring_of_sides(sides)
         fault = f"with {ni} x {nj} nodes the sampled boundary of '{self.name}'"
         repeated = first_repeated(ring)
         if repeated is not None:
@@ -218,7 +222,7 @@ class Outline:
                 f"{fault} crosses itself, so that a grid would fold or overlap itself: {crossing_text(ring, crossing)} "
                 "(counted along the sampled boundary); take more nodes"
             )
-        return transfinite(bottom, top, left, right)
+        return grid_of_sides(sides)
 
     def __eq__(self, other: object) -> bool:
         """Whether `other` has the same points and corners; names do not matter."""
