@@ -6,6 +6,7 @@ import contextlib
 import os
 import signal
 import subprocess
+import threading
 
 
 def run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] | None:
@@ -14,6 +15,7 @@ def run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] 
     Whatever ends the wait, Ctrl-C too, ends the program with all that it has started: a compiler is a driver, whose
     parts would hold its pipes open.
     """
+    interrupt = _HeldInterrupt()  # Until it is known what there is to end.
     try:
         process = subprocess.Popen(
             command,
@@ -25,9 +27,11 @@ def run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] 
             start_new_session=True,
         )
     except OSError:
+        interrupt.release()
         return None
     with process:
         try:
+            interrupt.release()
             out, err = process.communicate(timeout=seconds)
         except subprocess.TimeoutExpired:
             _kill(process)
@@ -36,6 +40,27 @@ def run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] 
             _kill(process)
             raise
     return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+class _HeldInterrupt:
+    """Ctrl-C, held back in the main thread, which it reaches, until it is released."""
+
+    def __init__(self) -> None:
+        """Hold it back from now on."""
+        self._came, self._handler = False, signal.getsignal(signal.SIGINT)
+        self._holds = callable(self._handler) and threading.current_thread() is threading.main_thread()
+        if self._holds:
+            signal.signal(signal.SIGINT, self._note)
+
+    def _note(self, *_: object) -> None:
+        self._came = True
+
+    def release(self) -> None:
+        """Let it come, and come now if it was held back."""
+        if self._holds:
+            signal.signal(signal.SIGINT, self._handler)
+        if self._came:
+            signal.raise_signal(signal.SIGINT)
 
 
 def _kill(process: subprocess.Popen[str]) -> None:

@@ -22,7 +22,7 @@ from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen.interface import FUNCTIONS
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.functionals import define, functional
-from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels, toolchain
+from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels, process, toolchain
 from gridgen_sym.runtime.compiler import compile_library
 from gridgen_sym.runtime.sources import find_sources
 
@@ -228,6 +228,28 @@ def test_an_interrupt_ends_the_compiler(monkeypatch, tmp_path, cache):
         building.send_signal(signal.SIGINT)
         assert "KeyboardInterrupt" in building.communicate(timeout=30)[1]
     assert_ended(int(part.read_text()))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
+def test_an_interrupt_just_after_a_program_has_started_ends_it(monkeypatch):
+    """It comes between the start of the program and the time at which anyone knows of it."""
+    started = []
+
+    class Popen(subprocess.Popen):
+        def __init__(self, *arguments, **options):
+            super().__init__(*arguments, **options)
+            started.append(self.pid)
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(subprocess, "Popen", Popen)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            process.run(["sleep", "600"], 60)
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert_ended(started[0])
 
 
 def assert_ended(process):
