@@ -156,10 +156,10 @@ def test_a_wrong_import_is_objected_to(place, text, expected):
 @pytest.mark.parametrize(
     ("place", "text", "expected"),
     [
-        ("solvers/run/x.py", "from ..untangling.untangle import unfold", ["untangling"]),
+        ("solvers/run/x.py", "from ..untangling.strategies import STRATEGIES", ["untangling"]),
         ("symbolic/derive/x.py", "def f():\n    from ..classify import classify", ["classify"]),
         ("symbolic/paper/x.py", "from ..classify import classify", []),
-        ("solvers/optimize.py", "from .untangling.untangle import unfold", []),
+        ("solvers/optimize.py", "from .untangling.strategies import STRATEGIES", []),
     ],
 )
 def test_a_wrong_import_within_a_package_is_objected_to(place, text, expected):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..grids.grid import Grid, corner_jacobians
+from ..grids.grid import Grid, corner_jacobians, folded_corners
 
 Node = tuple[int, int]
 Edge = tuple[Node, Node]
@@ -60,7 +60,7 @@ def _in_valid_cells(grid: Grid) -> NDArray[np.bool_]:
     """Return for each node (ni, nj) whether all its cells are valid, which shows that its position is feasible."""
     ni, nj = grid.shape
     with np.errstate(over="ignore", invalid="ignore"):
-        valid = (corner_jacobians(grid.x, grid.y) > 0).all(axis=0)
+        valid = ~folded_corners(corner_jacobians(grid.x, grid.y)).any(axis=0)
     found = np.ones((ni, nj), dtype=bool)
     for i, j in _CELL:
         found[i : ni - 1 + i, j : nj - 1 + j] &= valid

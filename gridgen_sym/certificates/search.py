@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..grids.grid import Grid, corner_jacobians
+from ..grids.grid import Grid, corner_jacobians, folded_corners
 from .branching import DEFAULT_BUDGET, Conflict, prove_conflict
 from .node_constraints import Node
 
@@ -76,7 +76,7 @@ def _first_conflict(grid: Grid, budget: int, fraction: float, check: Callable[[]
 def _near_folded_cells(grid: Grid, layers: int) -> set[Node]:
     """Return the cells that are at most so many cells away from a folded one."""
     with np.errstate(over="ignore", invalid="ignore"):
-        near = ~(corner_jacobians(grid.x, grid.y) > 0).all(axis=0)
+        near = folded_corners(corner_jacobians(grid.x, grid.y)).any(axis=0)
     for axis in (0, 1):
         padded = np.pad(near, [(layers, layers) if axis == other else (0, 0) for other in (0, 1)])
         near = np.lib.stride_tricks.sliding_window_view(padded, 2 * layers + 1, axis).any(axis=-1)

@@ -164,6 +164,17 @@ def boundary_indices(ni: int, nj: int) -> NDArray[np.intp]:
     return np.concatenate([np.stack(side, axis=-1) for side in sides])
 
 
+def folded_corners(jacobians: Array) -> NDArray[np.bool_]:
+    """Return which corners are folded: those where J > 0 does not hold, so that NaN counts as folded.
+
+    This is the one predicate of a folded corner.
+
+    Args:
+        jacobians: of corners, of any shape, as from `corner_jacobians`.
+    """
+    return ~np.asarray(jacobians > 0)
+
+
 def corner_jacobians(x: Array, y: Array) -> Array:
     """Return the Jacobian J = x_xi y_eta - x_eta y_xi at the four corners of every cell.
 

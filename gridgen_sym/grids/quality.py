@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from .grid import Grid, check_grid, corner_jacobians
+from .grid import Grid, check_grid, corner_jacobians, folded_corners
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ def quality(grid: Grid) -> Quality:
     with np.errstate(all="ignore"):  # Divisions by 0 are meant, and their results are replaced below.
         jacobians = corner_jacobians(grid.x, grid.y)
         xi_edges, eta_edges = _edges(grid)
-        folded = np.argwhere(~(jacobians > 0).all(axis=0))
+        folded = np.argwhere(folded_corners(jacobians).any(axis=0))
         return Quality(
             cells=jacobians[0].size,
             folded_cells=len(folded),

@@ -59,7 +59,7 @@ class KernelSet:
         """Return the energy, summed over corners, and the smallest Jacobian of any corner, counted or not."""
         rows = np.empty((2, coordinates.shape[1] - 1))
         self._call("energy", coordinates, weight, rows[0], rows[1], interior_only=interior_only)
-        return float(rows[0].sum()), float(rows[1].min())
+        return _total(rows[0]), float(rows[1].min())
 
     def smallest_jacobians(self, coordinates: Array) -> Array:
         """Return the smallest Jacobian of the corners of each row of cells, (ni - 1,); the weight has no part in it."""
@@ -80,7 +80,7 @@ class KernelSet:
         """Return the energy, the smallest Jacobian, and the gradient (2, ni, nj) in all nodes (written to `out`)."""
         rows, gradient = np.empty((2, coordinates.shape[1] - 1)), _result(2, coordinates, out)
         self._call("energy_gradient", coordinates, weight, rows[0], rows[1], gradient, interior_only=interior_only)
-        return float(rows[0].sum()), float(rows[1].min()), gradient
+        return _total(rows[0]), float(rows[1].min()), gradient
 
     def hessian(
         self,
@@ -227,6 +227,12 @@ class KernelSet:
             )
         block = Block(ni, nj, 0, ni, nj, ni * nj, int(interior_only), threads_for(ni * nj), *spacing)
         self._functions[name](block, coordinates, weight, self._parameters, *arguments)
+
+
+def _total(energies: Array) -> float:
+    """Return the sum of energies; NaN, and not a warning, where infinite ones of both signs cancel."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(energies.sum())
 
 
 def _result(count: int, coordinates: Array, out: Array | None) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array, Mask
-from ..grids import corner_jacobians
+from ..grids import corner_jacobians, folded_corners
 
 #: Folds are counted among so many nodes at once, whose Jacobians stay in the processor's cache.
 _NUMBERS = 4096
@@ -50,7 +50,7 @@ class Folds:
             jacobians = corner_jacobians(coordinates[0, block], coordinates[1, block])
             if fixed is not None:
                 jacobians[cls.held_corners(fixed[block])] = np.inf
-            cells += int(np.count_nonzero(~(jacobians > 0).all(axis=0)))
+            cells += int(np.count_nonzero(folded_corners(jacobians).any(axis=0)))
             smallest = min(smallest, float(jacobians.min()))
         return cls(cells, -smallest)
 

@@ -9,10 +9,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..boundary.predicates import area_sign
-from ..certificates import Certificate, certificates, sliver_certificate
-from ..certificates.branching import DEFAULT_BUDGET, LARGE_BUDGET
+from ..certificates import Certificate, certificates
 from ..functionals.definition import Functional
-from ..grids import Grid, corner_jacobians, quality
+from ..grids import Grid, corner_jacobians, folded_corners, quality
 from ..grids.grid import boundary_indices
 from .differentiability import missing_derivative
 from .multilevel.nested import Nested, worth_nesting
@@ -20,9 +19,7 @@ from .problem import Problem, norm_of
 from .run.progress import Progress
 from .run.result import Result
 from .run.status import Outcome, Status
-from .untangling.lift import lift
-from .untangling.middles import unfold_from_middles
-from .untangling.untangle import unfold
+from .untangling.strategies import STRATEGIES, begin_search
 
 
 @dataclass(slots=True)
@@ -38,7 +35,8 @@ class Run:
         report: is told of every step.
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
-        said: what to say before the solver's own message.
+        said: what to report before the solver's own message; None for how a folded start became valid.
+        untangled_by: the name of what made a folded start valid; empty otherwise.
         proofs: that no valid grid has this boundary, or none without a sliver, where untangling could not find one;
             None as long as nothing was searched.
         explained: whether the solver's message says what is folded, and why.
@@ -51,7 +49,8 @@ class Run:
     coordinates: Array
     report: Progress
     reference: float | None = None
-    said: str = ""
+    said: str | None = None
+    untangled_by: str = ""
     proofs: tuple[Certificate, ...] | None = None
     explained: bool = False
 
@@ -89,7 +88,7 @@ class Run:
         else:
             better = new_energy < energy
         if better:
-            self.said = UNTANGLED if barrier and new_smallest > 0 and not smallest > 0 else ""
+            self.untangled_by = NESTED if barrier and new_smallest > 0 and not smallest > 0 else ""
             self.coordinates = start
         else:
             self.problem.refresh(self.coordinates)
@@ -101,42 +100,13 @@ class Run:
         if self._encloses_nothing:
             return False
         self.report.begin("untangle", self.problem.fixed.shape)
-        valid = unfold(self.problem, self.functional, self.coordinates, self.parameters, self.report)
-        valid = valid or lift(self.coordinates, self.problem.fixed, self.report) or self._lift_or_prove()
+        search = begin_search(self.problem, self.functional, self.coordinates, self.parameters, self.report)
+        try:
+            search.run_into(self.coordinates, STRATEGIES)
+        finally:
+            self.proofs, self.untangled_by = search.certificates, search.untangled_by
         self.problem.refresh(self.coordinates)
-        self.said = UNTANGLED if valid else ""
-        return valid
-
-    def _lift_or_prove(self) -> bool:
-        """Lift what is folded from the middles of places, unless a proof says that this is in vain; return if valid.
-
-        All searches are short at first, and long where these do not help. Where not even that is proved, that every
-        grid has a sliver, there mostly is a valid one.
-        """
-        self.proofs = self._search(DEFAULT_BUDGET)
-        if self.proofs:
-            return False
-        if unfold_from_middles(self.problem, self.coordinates, self.report):
-            return True
-        self.proofs = self._search_sliver(DEFAULT_BUDGET)
-        if not self.proofs and unfold_from_middles(self.problem, self.coordinates, self.report, LARGE_BUDGET):
-            return True
-        self.proofs = self._search(LARGE_BUDGET) or self.proofs or self._search_sliver(LARGE_BUDGET)
-        return False
-
-    def _search(self, budget: int) -> tuple[Certificate, ...]:
-        """Search for proofs that no valid grid has this boundary."""
-        self.report.display("searching for a proof that there is no valid grid")
-        grid = Grid.from_planes(*self.coordinates)
-        return certificates(grid, search=True, budget=budget, check=self.report.deadline.check)
-
-    def _search_sliver(self, budget: int) -> tuple[Certificate, ...]:
-        """Search for the proof that every grid of this boundary has a sliver."""
-        self.report.display("searching for a proof that every valid grid has a nearly folded or small cell")
-        sliver = sliver_certificate(
-            Grid.from_planes(*self.coordinates), budget=budget, check=self.report.deadline.check
-        )
-        return (sliver,) if sliver else ()
+        return search.valid
 
     @property
     def _encloses_nothing(self) -> bool:
@@ -171,14 +141,15 @@ class Run:
         energy = self.problem.energy(self.coordinates)[0]
         smallest = float(corner_jacobians(*self.coordinates).min())
         grid = Grid.from_planes(*self.coordinates)
-        status, message = outcome.status, self.said + outcome.message
+        said = UNTANGLED.format(self.untangled_by) if self.untangled_by and self.said is None else self.said or ""
+        status, message = outcome.status, said + outcome.message
         proofs: tuple[Certificate, ...] = ()
         if not smallest > 0:
             proofs = certificates(grid) if self.proofs is None else self.proofs
             if not status.stop_reason:
                 status = Status.IMPOSSIBLE if any(proof.impossible for proof in proofs) else Status.FOLDED
             if not self.explained:
-                folded = int((corner_jacobians(*self.coordinates) <= 0).any(axis=0).sum())
+                folded = int(folded_corners(corner_jacobians(*self.coordinates)).any(axis=0).sum())
                 message += (
                     f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}".rstrip()
                 )
@@ -191,6 +162,7 @@ class Run:
             energy=energy,
             history=tuple(self.report.history),
             certificates=proofs,
+            untangled_by=self.untangled_by,
         )
 
 
@@ -199,8 +171,10 @@ _NO_PROOF = (
     "No proof was found that there is no valid grid; certificates(grid, search=True, budget=...) searches longer. "
     "More nodes, other corners or another spacing of the boundary nodes may help."
 )
-#: What is said of a result whose start was folded.
-UNTANGLED = "The grid was folded at the start and was untangled first: "
+#: The name of what makes a start valid that coarse grids of nested iteration give.
+NESTED = "nested iteration"
+#: What the message says of a result whose start was folded.
+UNTANGLED = "The grid was folded at the start and was untangled first ({}): "
 
 
 def _proofs_text(proofs: tuple[Certificate, ...]) -> str:

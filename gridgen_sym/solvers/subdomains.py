@@ -1,4 +1,4 @@
-"""Small parts of a grid round its folds, to be worked on as grids of their own."""
+"""Subdomains of a grid around its folds, each a grid of its own with fixed sides."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array, Mask
-from ..grids import corner_jacobians
+from ..grids import corner_jacobians, folded_corners
 from .folds import Folds
 from .problem import Problem
 
-#: A window with more than this part of all nodes is no small one.
+#: A rectangle with more than this fraction of all nodes is no small subdomain.
 _LARGEST = 0.25
 
 
-def windows(marked: npt.NDArray[np.bool_], layers: int) -> Iterator[tuple[slice, slice]]:
-    """Return the rectangles of nodes round what is marked, with so many layers more, as far as they are small.
+def subdomains(marked: npt.NDArray[np.bool_], layers: int) -> Iterator[tuple[slice, slice]]:
+    """Return the small rectangles of nodes around marked nodes, extended by some layers.
 
-    Marks whose surroundings touch are in one window.
+    Marks whose surroundings touch share a rectangle.
 
     Args:
         marked: (ni, nj), of the nodes.
@@ -40,7 +40,7 @@ def folded_nodes(coordinates: Array, fixed: Mask) -> npt.NDArray[np.bool_]:
         coordinates: (2, ni, nj).
         fixed: (ni, nj), non-zero at nodes that do not move; corners with no other nodes do not count.
     """
-    folded = ~(corner_jacobians(coordinates[0], coordinates[1]) > 0)
+    folded = folded_corners(corner_jacobians(coordinates[0], coordinates[1]))
     cells = (folded & ~Folds.held_corners(fixed)).any(axis=0)
     nodes = np.zeros(fixed.shape, dtype=bool)
     for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
@@ -48,8 +48,8 @@ def folded_nodes(coordinates: Array, fixed: Mask) -> npt.NDArray[np.bool_]:
     return nodes
 
 
-def cut_out(problem: Problem, coordinates: Array, window: tuple[slice, slice]) -> tuple[Problem, Array]:
-    """Return a window as a problem of its own, without a weight, and a copy of its coordinates; its sides are fixed."""
+def restrict(problem: Problem, coordinates: Array, window: tuple[slice, slice]) -> tuple[Problem, Array]:
+    """Return the problem on a rectangle of nodes, without a weight and with fixed sides, and a copy of its nodes."""
     fixed = problem.fixed[window].copy()
     fixed[[0, -1]], fixed[:, [0, -1]] = 1, 1
     return Problem(problem.kernels, fixed, None), np.ascontiguousarray(coordinates[:, *window])

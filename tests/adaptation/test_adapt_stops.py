@@ -40,7 +40,7 @@ def test_ctrl_c_in_an_untangling_goes_on_to_the_user(monkeypatch):
     def interrupted(*arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("gridgen_sym.solvers.minimization.unfold", interrupted)
+    monkeypatch.setattr("gridgen_sym.solvers.minimization.begin_search", interrupted)
     with pytest.raises(KeyboardInterrupt):
         gg.adapt(folded_square(9), ring)
 

@@ -17,7 +17,8 @@ from gridgen_sym.certificates.search import JACOBIAN_FRACTIONS, find_sliver
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.grids import corner_jacobians
 from gridgen_sym.grids.grid import boundary_indices
-from gridgen_sym.solvers import minimization as run
+from gridgen_sym.solvers import minimization
+from gridgen_sym.solvers.untangling.strategies import REGULARIZED, ProofSearch, SliverSearch
 
 
 def band(seed, ni, nj):
@@ -181,8 +182,8 @@ def test_its_certificate_says_what_is_proved_and_no_more(monkeypatch):
 @pytest.mark.slow
 def test_an_undecided_result_carries_it(monkeypatch):
     """What takes long, and does not help, is left out."""
-    monkeypatch.setattr(run, "unfold_from_middles", lambda *_: False)
-    monkeypatch.setattr(run, "LARGE_BUDGET", DEFAULT_BUDGET)
+    searches = ProofSearch(DEFAULT_BUDGET), SliverSearch(DEFAULT_BUDGET)
+    monkeypatch.setattr(minimization, "STRATEGIES", (*REGULARIZED, *searches))
     start, fraction = OPEN["a"]
     result = gg.untangle(start)
     assert not result.converged

@@ -12,6 +12,8 @@ import pytest
 from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
+from gridgen_sym.certificates.branching import DEFAULT_BUDGET
+from gridgen_sym.functionals.registry import functional
 from gridgen_sym.solvers.equations import newton as equations_newton
 from gridgen_sym.solvers.equations.residual import Equations
 from gridgen_sym.solvers.newton import minimize as newton
@@ -21,8 +23,9 @@ from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.run.status import StopReason
-from gridgen_sym.solvers.untangling import lift
-from gridgen_sym.solvers.untangling.middles import unfold_from_middles
+from gridgen_sym.solvers.untangling.feasible_starts import FeasibleStarts
+from gridgen_sym.solvers.untangling.smallest_jacobian import FoldedRegion
+from gridgen_sym.solvers.untangling.strategies import begin_search
 
 from .test_nonlinear_elimination import point_of, stretched
 
@@ -53,7 +56,7 @@ def test_a_deadline_comes_once_the_seconds_are_over(monkeypatch):
             some.check()
 
 
-#: A boundary whose grid is lifted from middles.
+#: A boundary that becomes valid from feasible starts.
 BAND = grid_of_ring(flat_polygon(20304, 26, 3e-2), 8, 7)
 RUNS = {
     "a bay without a valid grid": (gg.untangle, grid_of_ring(smooth_curve(906, 20, 0.6), 7, 5)),
@@ -96,19 +99,19 @@ def test_a_window_is_left_in_time_and_what_it_has_done_is_kept():
     assert point.energy < swept.energy
 
 
-def test_every_program_of_a_lift_asks(monkeypatch):
+def test_every_linear_program_asks(monkeypatch):
     """Also those that lead nowhere, and of which no step is told."""
     start = BAND
     place, free = start.planes.copy(), np.ones(start.shape, dtype=bool)
     free[[0, -1]], free[:, [0, -1]] = False, False
     seconds = []
-    monkeypatch.setattr(lift.Fold, "_program", lambda self, radius, left: seconds.append(left))
+    monkeypatch.setattr(FoldedRegion, "_program", lambda self, radius, left: seconds.append(left))
     with pytest.raises(StopRequest):
-        lift.Fold(place, free).lift(Progress("lift", deadline=Ends(3)))
+        FoldedRegion(place, free).maximize(Progress("lift", deadline=Ends(3)))
     assert len(seconds) == 3
     short = Deadline()
     monkeypatch.setattr(short, "check", lambda: 1e-3)
-    lift.Fold(place, free).lift(Progress("lift", deadline=short))
+    FoldedRegion(place, free).maximize(Progress("lift", deadline=short))
     assert seconds[0] == 0.5
     assert seconds[-1] == 1e-3
 
@@ -161,10 +164,12 @@ def test_a_search_in_a_large_grid_asks_often(prove):
     assert np.diff(times).max() < 0.3
 
 
-def test_the_search_for_middles_asks(monkeypatch):
+def test_the_search_for_feasible_starts_asks(monkeypatch):
     lifted, deadline = [], Ends(50)
-    monkeypatch.setattr(lift.Fold, "lift", lambda self, progress: lifted.append(progress))
+    problem, report = make_problem(BAND, "winslow"), Progress("feasible starts", deadline=deadline)
+    search = begin_search(problem, functional("winslow"), BAND.planes, None, report)
+    monkeypatch.setattr(FoldedRegion, "maximize", lambda self, progress: lifted.append(progress))
     with pytest.raises(StopRequest):
-        unfold_from_middles(make_problem(BAND, "winslow"), BAND.planes.copy(), Progress("lift", deadline=deadline))
+        FeasibleStarts(DEFAULT_BUDGET).run(search)
     assert not lifted
     assert deadline.asked == 51

@@ -12,10 +12,9 @@ from support_boundaries import SEEDS, SIZES, grid_of_ring, star_polygon
 
 import gridgen_sym as gg
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
+from gridgen_sym.solvers.harmonic import SIDES, harmonic_extension
 from gridgen_sym.solvers.multilevel.prolongation import (
-    _SIDES,
     _displaced,
-    _harmonic,
     _spread,
     coarse_start,
     finer_start,
@@ -23,7 +22,7 @@ from gridgen_sym.solvers.multilevel.prolongation import (
     resample,
 )
 from gridgen_sym.solvers.problem import make_problem
-from gridgen_sym.solvers.subdomains import cut_out, folded_nodes, windows
+from gridgen_sym.solvers.subdomains import folded_nodes, restrict, subdomains
 
 
 def disordered(seed, ni, nj, disorder=0.6):
@@ -70,22 +69,22 @@ def test_a_number_that_is_none_is_a_fold():
     assert Folds.of(place).cells == 4
 
 
-# ---- windows ----
+# ---- subdomains ----
 
 
-def test_windows_hold_what_is_marked_and_its_surroundings():
+def test_subdomains_hold_what_is_marked_and_its_surroundings():
     marked = np.zeros((40, 50), dtype=bool)
     marked[3, 4] = marked[30, 20] = marked[31, 26] = True
-    assert list(windows(marked, 3)) == [(slice(0, 7), slice(1, 8)), (slice(27, 35), slice(17, 30))]
+    assert list(subdomains(marked, 3)) == [(slice(0, 7), slice(1, 8)), (slice(27, 35), slice(17, 30))]
     marked[::2, ::2] = True
-    assert list(windows(marked, 3)) == []  # The whole grid is no window.
+    assert list(subdomains(marked, 3)) == []  # The whole grid is no subdomain.
 
 
 def test_what_is_cut_out_is_a_problem_of_its_own():
     grid = gg.domain("swan", 21, 17)
     inner = np.zeros(grid.shape, dtype=bool)
     inner[7, 8] = True
-    part, place = cut_out(make_problem(grid, "winslow", fixed=inner), grid.planes, (slice(4, 12), slice(5, 14)))
+    part, place = restrict(make_problem(grid, "winslow", fixed=inner), grid.planes, (slice(4, 12), slice(5, 14)))
     assert np.array_equal(place, grid.planes[:, 4:12, 5:14])
     assert np.array_equal(np.argwhere(part.fixed[1:-1, 1:-1]), [[2, 2]])
     assert part.fixed[[0, -1]].all()
@@ -99,7 +98,7 @@ def test_what_is_cut_out_is_a_problem_of_its_own():
 @given(st.integers(3, 14), st.integers(3, 14), SEEDS)
 def test_a_harmonic_extension_solves_laplaces_equation(ni, nj, seed):
     field = np.random.default_rng(seed).standard_normal((2, ni, nj))
-    field[:, 1:-1, 1:-1] = _harmonic(*(field[side][:, 1:-1] for side in _SIDES))
+    field[:, 1:-1, 1:-1] = harmonic_extension(*(field[side][:, 1:-1] for side in SIDES))
     inner = field[:, 1:-1, 1:-1]
     around = field[:, 2:, 1:-1] + field[:, :-2, 1:-1] + field[:, 1:-1, 2:] + field[:, 1:-1, :-2]
     np.testing.assert_allclose(4 * inner, around, atol=1e-12)

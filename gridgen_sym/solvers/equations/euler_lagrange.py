@@ -18,7 +18,7 @@ from ...errors import GridgenError, quoted
 from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
 from ...functionals.registry import functional as find_functional
-from ...grids import Grid, corner_jacobians
+from ...grids import Grid, corner_jacobians, folded_corners
 from ..minimization import Run
 from ..newton.minimize import minimize
 from ..problem import Problem, make_problem
@@ -155,7 +155,7 @@ def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> No
 def _choose(run: Run, equations: Equations, outcome: Outcome, keep_valid: bool) -> Outcome:
     """Choose the grid to return, and say what the type of the equations means for it."""
     status, message = outcome
-    folded = not float(corner_jacobians(*run.coordinates).min()) > 0
+    folded = bool(folded_corners(corner_jacobians(*run.coordinates)).any())
     if outcome.converged and folded and keep_valid and True in equations.best:
         run.coordinates, status = equations.best[True][1], Status.HELD_BACK
         message += (

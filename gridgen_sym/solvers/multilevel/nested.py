@@ -13,7 +13,7 @@ from ...grids import Grid
 from ..newton.minimize import minimize
 from ..problem import Problem
 from ..run.progress import Progress
-from ..untangling.untangle import unfold
+from ..untangling.strategies import untangle_regularized
 from .prolongation import coarse_start, finer_start, from_boundary
 
 #: A direction with this many cells is not halved further.
@@ -73,7 +73,7 @@ class Nested:
         problem.refresh(start)
         if problem.kernels.barrier and not problem.energy(start)[1] > 0:
             self.report.begin("untangle", shape)
-            if not unfold(problem, self.functional, start, self.parameters, self.report):
+            if not untangle_regularized(problem, self.functional, start, self.parameters, self.report):
                 return start
             problem.refresh(start)
         self.report.begin("minimize", shape)

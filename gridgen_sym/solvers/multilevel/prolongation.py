@@ -16,12 +16,10 @@ import numpy.typing as npt
 
 from ...arrays import Array
 from ...grids import transfinite
-from ...runtime import threads_for
 from ..folds import Folds
+from ..harmonic import move_sides
 from ..problem import Problem
 
-#: The sides of a grid (2, ni, nj): the first and the last i, the first and the last j.
-_SIDES = np.s_[:, 0], np.s_[:, -1], np.s_[:, :, 0], np.s_[:, :, -1]
 #: A grid with less than this part of its cells folded is nearly valid.
 _FEW = 0.02
 #: Rows of nodes that are worked on at once.
@@ -70,32 +68,7 @@ def _displaced(coarse: Array, interpolated: Array) -> Array:
 
 def _spread(coarse: Array, fine_boundary: Array) -> Array:
     """Return the coarse nodes, interpolated linearly, plus the harmonic extension of the boundary's difference."""
-    start = resample(coarse, fine_boundary.shape[1:], linear=True)
-    sides = [fine_boundary[side] - start[side] for side in _SIDES]
-    start[:, 1:-1, 1:-1] += _harmonic(*(side[:, 1:-1] for side in sides))
-    for side in _SIDES:
-        start[side] = fine_boundary[side]  # Bit by bit.
-    return start
-
-
-def _harmonic(first_i: Array, last_i: Array, first_j: Array, last_j: Array) -> Array:
-    """Return the solution of Laplace's equation on the 5-point stencil, at the inner nodes, from values at the sides.
-
-    By sine transforms, which make the stencil diagonal. Those of what the sides contribute are known but for one along
-    each side.
-    """
-    from scipy.fft import dst, idstn
-
-    waves = [np.pi * np.arange(1, count + 1) / (count + 1) for count in (first_j.shape[1], first_i.shape[1])]
-    sine_i, sine_j = (2 * np.sin(wave) for wave in waves)
-    odd_i, odd_j = (np.resize([1.0, -1.0], len(wave)) for wave in waves)
-    along_j, along_i = (
-        (dst(first, type=1), dst(last, type=1)) for first, last in ((first_i, last_i), (first_j, last_j))
-    )
-    spectrum = sine_i[:, None] * along_j[0][:, None] + (odd_i * sine_i)[:, None] * along_j[1][:, None]
-    spectrum += along_i[0][:, :, None] * sine_j + along_i[1][:, :, None] * (odd_j * sine_j)
-    spectrum /= (4 - 2 * np.cos(waves[0]))[:, None] - 2 * np.cos(waves[1])
-    return np.asarray(idstn(spectrum, type=1, axes=(1, 2), overwrite_x=True, workers=threads_for(spectrum.size)))
+    return move_sides(resample(coarse, fine_boundary.shape[1:], linear=True), fine_boundary)
 
 
 def from_boundary(coordinates: Array) -> Array:

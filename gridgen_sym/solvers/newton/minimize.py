@@ -14,7 +14,7 @@ from ..run.deadline import Deadline
 from ..run.progress import Progress
 from ..run.status import Outcome, Status
 from ..run.step_control import StepControl, diverges, jacobian_floor
-from ..subdomains import cut_out
+from ..subdomains import restrict
 from .line_search import LineSearch
 from .nonlinear_elimination import steep_subdomains, sweep_standing_out
 from .steps import NewtonSteps
@@ -126,7 +126,7 @@ def _eliminate(point: Point, deadline: Deadline) -> None:
     sweep_standing_out(point, deadline)
     parts = steep_subdomains(point)
     for part in parts:
-        inside, place = cut_out(point.problem, point.coordinates, part)
+        inside, place = restrict(point.problem, point.coordinates, part)
         unseen = Progress("subdomain", show=False, deadline=deadline)
         try:
             minimize(inside, place, unseen, tolerance=_WINDOW, max_iterations=_WINDOW_STEPS, keep_valid=True)

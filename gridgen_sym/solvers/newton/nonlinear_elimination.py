@@ -17,7 +17,7 @@ from ..iterate import Point
 from ..local import sweep
 from ..run.deadline import Deadline
 from ..run.step_control import jacobian_floor
-from ..subdomains import windows
+from ..subdomains import subdomains
 
 #: Nodes stand out whose gradient's square is so many times the mean: in the sweeps, and for a window.
 _SWEPT, _CUT_OUT = 1.0, 30.0
@@ -39,7 +39,7 @@ def steep_subdomains(point: Point) -> list[tuple[slice, slice]]:
         return []
     squares = _squares(point.gradient)
     standing = _standing_out(squares, _CUT_OUT)
-    parts = [] if standing is None else list(windows(standing, _LAYERS))
+    parts = [] if standing is None else list(subdomains(standing, _LAYERS))
     held = sum(float(squares[part].sum()) for part in parts)
     return parts if held >= _HELD * float(squares.sum()) else []
 

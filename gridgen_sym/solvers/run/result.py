@@ -46,6 +46,8 @@ class Result:
         certificates: the proofs that no valid grid has this boundary; none for a valid grid. Where untangling ended
             with folds, these are those of a search, too: `certificates(grid, search=True)`. If there are none of
             these, it may be the one of `sliver_certificate`, that every valid grid has a sliver.
+        untangled_by: the name of the strategy that made a folded start valid; empty where the start was valid, or the
+            result is folded.
     """
 
     grid: Grid
@@ -56,6 +58,7 @@ class Result:
     energy: float
     history: tuple[Step, ...]
     certificates: tuple[Certificate, ...] = ()
+    untangled_by: str = ""
 
     @property
     def stopped_by(self) -> StopReason | None:

@@ -1,11 +1,11 @@
-"""Affine coordinates: which a search uses, what they look like, and that the way back is exact."""
+"""Affine maps: which a search uses, what they do to a boundary, and that the inverse is exact."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from gridgen_sym.solvers.untangling.frame import frames, stretched_frames
+from gridgen_sym.solvers.untangling.affine_maps import balanced_maps, stretched_maps
 
 
 def rectangle(length, height, angle=0.4, size=(9, 6)):
@@ -27,11 +27,11 @@ def extents(place):
 
 def test_the_first_frame_changes_nothing():
     place = rectangle(1.0, 1.0)
-    (only,) = frames(place)
-    there = only.of(place)
+    (only,) = balanced_maps(place)
+    there = only.apply(place)
     assert np.array_equal(there, place)
     assert not np.shares_memory(there, place)
-    assert only.back(there, place, np.ones(place.shape[1:])) is there
+    assert only.invert(there, place, np.ones(place.shape[1:])) is there
 
 
 @pytest.mark.parametrize(("ratio", "count"), [(1.0, 1), (1.45, 1), (1.55, 2), (50.0, 2), (1e6, 2)])
@@ -41,10 +41,10 @@ def test_only_a_thin_boundary_is_stretched(ratio, count):
     even = np.tensordot(np.diag(1 / np.sqrt(np.diag(np.cov(boundary(even))))), even, axes=1)
     turn = np.array([[0.8, -0.6], [0.6, 0.8]])
     place = np.tensordot(turn @ np.diag([1.0, 1 / ratio]), even, axes=1) + 5.0
-    found = list(frames(place))
+    found = list(balanced_maps(place))
     assert len(found) == count
     if count == 2:
-        there = found[1].of(place)
+        there = found[1].apply(place)
         assert extents(there) == pytest.approx([1.0, 1.0], rel=1e-3 if ratio > 1e5 else 1e-9)
         assert boundary(there).mean(axis=1) == pytest.approx([0.0, 0.0], abs=1e-9)
 
@@ -52,19 +52,19 @@ def test_only_a_thin_boundary_is_stretched(ratio, count):
 def test_a_line_and_a_point_are_not_stretched():
     line = np.stack(np.broadcast_arrays(np.linspace(0, 1, 5)[:, None], np.zeros((1, 4)))).astype(float)
     for place in (line, np.zeros((2, 4, 4))):
-        assert len(list(frames(place))) == 1
-        assert list(stretched_frames(place)) == []
+        assert len(list(balanced_maps(place))) == 1
+        assert list(stretched_maps(place)) == []
 
 
-@pytest.mark.parametrize("kind", [frames, stretched_frames])
+@pytest.mark.parametrize("kind", [balanced_maps, stretched_maps])
 def test_the_way_back_is_exact_at_fixed_nodes(kind):
     place, fixed = rectangle(9.0, 1.0), np.ones((9, 6), dtype=np.uint8)
     fixed[1:-1, 1:-1] = 0
     fixed[3, 2] = 1
     for frame in list(kind(place))[1:]:
-        there = frame.of(place)
+        there = frame.apply(place)
         there[:, 4, 3] += 0.5
-        back = frame.back(there, place, fixed)
+        back = frame.invert(there, place, fixed)
         assert np.array_equal(back[:, fixed != 0], place[:, fixed != 0])
         free = fixed == 0
         free[4, 3] = False

@@ -1,4 +1,4 @@
-"""Minimise a barrier functional whose barrier is regularised, and sharpen it: the path to a valid grid.
+"""Minimize a functional with a regularized barrier, and sharpen the barrier: the path to a valid grid.
 
 The Jacobian J is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2, which is positive everywhere; epsilon is driven to
 zero while the energy is minimised (Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, "Foldover-free maps in
@@ -22,6 +22,8 @@ from ..linear.systems import hessian_solver
 from ..newton.minimize import minimize
 from ..problem import Problem
 from ..run.progress import Progress
+from .affine_maps import AffineMap
+from .search import Search
 
 #: The first epsilon, over the depth of the worst fold and over the mean Jacobian: the larger of the two counts.
 _DEPTH, _SIZE = 0.2, 0.02
@@ -38,14 +40,14 @@ _SHARPEST = 1e-12
 Lower = Callable[[Problem, Array], None]
 
 
-def at_all_nodes(problem: Problem, progress: Progress) -> Lower:
-    """Return what lowers the energy at all nodes of a problem, by Newton's method."""
+def global_newton(problem: Problem, progress: Progress) -> Lower:
+    """Return Newton's method on all nodes of a problem, as a function that lowers its energy."""
     solver = hessian_solver(problem.fixed, problem.kernels.backend)
 
-    def lower(regular: Problem, place: Array) -> None:
+    def lower(regular: Problem, coordinates: Array) -> None:
         minimize(
             regular,
-            place,
+            coordinates,
             progress,
             tolerance=_TOLERANCE,
             max_iterations=_STEPS,
@@ -56,6 +58,16 @@ def at_all_nodes(problem: Problem, progress: Progress) -> Lower:
         )
 
     return lower
+
+
+def follow(search: Search, frame: AffineMap, lower: Lower) -> None:
+    """Follow the minima for falling epsilon from the start of a search, in mapped coordinates; offer every grid."""
+    place, fixed = frame.apply(search.start), search.problem.fixed
+    try:
+        for _ in path(search.problem, search.functional, place, search.parameters, lower):
+            search.best.offer(frame.invert(place, search.start, fixed))
+    finally:  # Ctrl-C may come in the midst of a step.
+        search.best.offer(frame.invert(place, search.start, fixed))
 
 
 def path(
@@ -89,7 +101,7 @@ def _ended(folds: list[Folds]) -> bool:
 def regularized(
     problem: Problem, functional: Functional, parameters: Mapping[str, float] | None, epsilon: float
 ) -> Problem:
-    """Return the same problem with the regularised barrier, without a weight, over all corners."""
+    """Return the same problem with the regularized barrier, without a weight, over all corners."""
     kernel_set = kernels(functional, "regularized", {**(parameters or {}), "epsilon": epsilon}, problem.kernels.backend)
     # Its energy is finite everywhere, so the line search need not keep corners positive.
     return Problem(replace(kernel_set, barrier=False), problem.fixed, None)

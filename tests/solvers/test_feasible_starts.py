@@ -1,4 +1,4 @@
-"""Folds that stay in every other way: nodes round them are lifted from the middle of where they may be."""
+"""Folds that stay in every other way: nodes around them start in the middle of their feasible regions."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
 from support_solvers import BARRIER, edges
 
 import gridgen_sym as gg
+from gridgen_sym.certificates.branching import DEFAULT_BUDGET
+from gridgen_sym.functionals.registry import functional
 from gridgen_sym.grids import corner_jacobians
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.run.progress import Progress
-from gridgen_sym.solvers.untangling.frame import stretched_frames
-from gridgen_sym.solvers.untangling.middles import _starts, unfold_from_middles
+from gridgen_sym.solvers.untangling.affine_maps import stretched_maps
+from gridgen_sym.solvers.untangling.feasible_starts import FeasibleStarts, feasible_starts
+from gridgen_sym.solvers.untangling.strategies import begin_search
 
 
 def band(seed, ni, nj, thickness):
@@ -50,8 +53,9 @@ def unfold(start, fixed=None, stop_at=None):
             raise StopIteration
 
     with Progress("unfold", stop, show=False) as report:
+        search = begin_search(problem, functional("winslow"), place, None, report)
         try:
-            return place, unfold_from_middles(problem, place, report)
+            return place, search.run_into(place, [FeasibleStarts(DEFAULT_BUDGET)])
         except StopRequest:
             return place, False
 
@@ -89,7 +93,7 @@ def test_all_starts_leave_fixed_nodes_where_they_are():
     free[3, 3] = False
     window[:, 3, 3] += 1e-3
     window[:, free] = np.random.default_rng(0).normal(size=(2, free.sum()))
-    *middles, even = _starts(window, free, Deadline(), 1000)
+    *middles, even = feasible_starts(window, free, Deadline(), 1000)
     assert len(middles) > 1
     for start in (*middles, even):
         assert np.array_equal(start[:, ~free], window[:, ~free])
@@ -106,7 +110,7 @@ def test_there_is_a_start_for_every_share_that_is_not_excluded():
     def count(grid):
         free = np.zeros(grid.shape, dtype=bool)
         free[1:-1, 1:-1] = True
-        return len(list(_starts(grid.planes, free, Deadline(), 4000)))
+        return len(list(feasible_starts(grid.planes, free, Deadline(), 4000)))
 
     assert count(gg.domain("square", 6, 6)) == 5 + 1
     assert count(grid_of_ring(flat_polygon(1055, 24, 1e-2), 6, 8)) == 2 + 1
@@ -151,13 +155,13 @@ def test_whoever_stops_it_has_the_least_folded_grid_so_far(steps):
 
 def test_frames_are_affine_maps_of_all_shapes_that_keep_areas():
     start = band(*BANDS[0])
-    frames = list(stretched_frames(start.planes))
+    frames = list(stretched_maps(start.planes))
     boundary = start.planes.copy()
     spreads = []
     for frame in frames:
-        there = frame.of(boundary)
+        there = frame.apply(boundary)
         assert corner_jacobians(*there) == pytest.approx(corner_jacobians(*boundary), rel=1e-6, abs=1e-12)
-        assert frame.back(there, np.zeros_like(there), np.zeros(start.shape)) == pytest.approx(boundary, abs=1e-12)
+        assert frame.invert(there, np.zeros_like(there), np.zeros(start.shape)) == pytest.approx(boundary, abs=1e-12)
         sides = np.concatenate((there[:, :, 0], there[:, :, -1], there[:, 0], there[:, -1]), axis=1)
         spreads.append(np.linalg.eigvalsh(np.cov(sides)))
     ratios = [np.sqrt(largest / smallest) for smallest, largest in spreads]
@@ -168,4 +172,4 @@ def test_frames_are_affine_maps_of_all_shapes_that_keep_areas():
 
 def test_a_line_has_no_frames():
     x, y = np.meshgrid(np.arange(4.0), np.arange(3.0), indexing="ij")
-    assert list(stretched_frames(np.stack((x + y, np.zeros_like(x))))) == []
+    assert list(stretched_maps(np.stack((x + y, np.zeros_like(x))))) == []

@@ -1,8 +1,7 @@
-"""Untangling: the path of the regularised barrier, and the ways that follow it."""
+"""Untangling: the path of the regularized barrier, and the strategies that follow it."""
 
 from __future__ import annotations
 
-from importlib import import_module
 from itertools import count
 
 import numpy as np
@@ -14,9 +13,14 @@ from gridgen_sym.solvers.folds import Folds, mean_jacobian
 from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import StopRequest
 from gridgen_sym.solvers.run.progress import Progress
-from gridgen_sym.solvers.untangling import continuation
-from gridgen_sym.solvers.untangling.continuation import _ended, path, regularized
-from gridgen_sym.solvers.untangling.untangle import _Least, _Search, unfold
+from gridgen_sym.solvers.run.status import StopReason
+from gridgen_sym.solvers.untangling import regularization, strategies
+from gridgen_sym.solvers.untangling.all_nodes import AllNodes
+from gridgen_sym.solvers.untangling.folded_nodes import FoldedNodes
+from gridgen_sym.solvers.untangling.folded_subdomains import FoldedSubdomains
+from gridgen_sym.solvers.untangling.regularization import _ended, path, regularized
+from gridgen_sym.solvers.untangling.search import BestSoFar, Search
+from gridgen_sym.solvers.untangling.strategies import begin_search, untangle_regularized
 
 WINSLOW = functional("winslow")
 
@@ -32,7 +36,7 @@ def folded(depth):
 def follow(place, monkeypatch, lower=lambda regular, place: None):
     """Follow the path from a grid, and return the epsilons on it."""
     seen = []
-    monkeypatch.setattr(continuation, "regularized", lambda *arguments: seen.append(arguments[-1]))
+    monkeypatch.setattr(regularization, "regularized", lambda *arguments: seen.append(arguments[-1]))
     problem = make_problem(gg.Grid.from_planes(*place), "winslow")
     for _ in path(problem, WINSLOW, place, None, lower):
         pass
@@ -63,7 +67,7 @@ def test_it_ends_at_the_first_grid_that_cannot_be_mended_further(monkeypatch):
 def test_it_ends_where_rounding_decides(monkeypatch):
     """However well it goes."""
     place = 1e-3 * folded(1.0)[0]
-    monkeypatch.setattr(continuation, "_ended", lambda folds: False)
+    monkeypatch.setattr(regularization, "_ended", lambda folds: False)
     last = follow(place, monkeypatch)[-1]
     assert last > 1e-12 * mean_jacobian(place) > 0.3 * last
 
@@ -88,7 +92,7 @@ def test_progress_is_less_cells_or_a_shallower_fold_in_three_falls(cells, depths
     assert _ended([Folds(*fold) for fold in zip(cells, depths, strict=True)]) == ended
 
 
-def test_a_regularised_problem_has_no_barrier_no_weight_and_all_corners():
+def test_a_regularized_problem_has_no_barrier_no_weight_and_all_corners():
     grid = gg.domain("wavy", 9, 9)
     fixed = np.zeros(grid.shape, dtype=bool)
     fixed[4, 4] = True
@@ -121,29 +125,64 @@ def test_nothing_is_done_where_nothing_can_be_mended():
     place[:, 0, 0] = 0.9, 0.9  # Folded at a corner whose three nodes are fixed.
     start = place.copy()
     with Progress("unfold", show=False) as report:
-        assert not unfold(make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, report)
+        assert not untangle_regularized(
+            make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, report
+        )
     assert report.history == []
     assert np.array_equal(place, start)
 
 
-# ---- the ways ----
+# ---- the strategies ----
 
 
-@pytest.mark.parametrize("enough", [1, 2, 3])
-def test_the_ways_are_tried_in_turn_until_one_is_enough(enough, monkeypatch):
-    ways, tried = ("node_by_node", "window_by_window", "everywhere"), []
-    for way in ways:
-        monkeypatch.setattr(_Search, way, lambda self, way=way: tried.append(way))
-    monkeypatch.setattr(_Search, "done", property(lambda self: len(tried) == enough))
+class Fake:
+    """A strategy that does what it is given."""
+
+    def __init__(self, name, does):
+        self.name, self.does = name, does
+
+    def run(self, search):
+        self.does(search)
+
+
+@pytest.mark.parametrize("enough", [0, 1, 2])
+def test_strategies_are_tried_in_turn_until_one_is_enough_which_is_named(enough):
+    (place, _), (valid, _) = folded(1.0), folded(-1.0)
+    tried = []
+
+    def does(k):
+        def run(search):
+            tried.append(k)
+            if k == enough:
+                search.best.offer(valid)
+
+        return Fake(f"strategy {k}", run)
+
+    search = begin_search(make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, Progress(""))
+    search.run(map(does, range(3)))
+    assert tried == list(range(enough + 1))
+    assert search.valid
+    assert search.untangled_by == f"strategy {enough}"
+
+
+def test_a_proof_ends_the_search_and_names_no_strategy():
     place, _ = folded(1.0)
-    problem = make_problem(gg.Grid.from_planes(*place), "winslow")
-    assert not unfold(problem, WINSLOW, place, None, Progress("unfold", show=False))
-    assert tuple(tried) == ways[:enough]
+    proof = gg.Certificate("conflict", (), (0.0, 0.0), {}, "a conflict")
+    search = begin_search(make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, Progress(""))
+    search.run([Fake("proof", lambda found: setattr(found, "certificates", (proof,))), Fake("more", pytest.fail)])
+    assert not search.valid
+    assert search.untangled_by == ""
+
+
+def test_every_strategy_has_a_name_of_its_own_kind():
+    names = {type(strategy): strategy.name for strategy in strategies.STRATEGIES}
+    assert len(set(names.values())) == len(names)
+    assert all(names.values())
 
 
 def test_the_least_folded_grid_is_kept():
     deep, shallow, valid = (folded(depth)[0] for depth in (0.4, 0.3, -1.0))
-    least = _Least(make_problem(gg.Grid.from_planes(*deep), "winslow"), deep)
+    least = BestSoFar(make_problem(gg.Grid.from_planes(*deep), "winslow"), deep)
     cells = least.folds.cells
     least.offer(shallow)
     assert least.folds.cells == cells
@@ -157,14 +196,16 @@ def test_the_least_folded_grid_is_kept():
 
 
 def test_whatever_ends_it_the_least_folded_grid_is_left(monkeypatch):
-    def stopped(self):
-        self.least.offer(valid)
-        raise StopRequest("callback", "enough")
+    def stopped(self, search):
+        search.best.offer(valid)
+        raise StopRequest(StopReason.CALLBACK, "enough")
 
     (place, _), (valid, _) = folded(1.0), folded(-1.0)
-    monkeypatch.setattr(_Search, "node_by_node", stopped)
+    monkeypatch.setattr(FoldedNodes, "run", stopped)
     with pytest.raises(StopRequest):
-        unfold(make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, Progress("", show=False))
+        untangle_regularized(
+            make_problem(gg.Grid.from_planes(*place), "winslow"), WINSLOW, place, None, Progress("", show=False)
+        )
     assert np.array_equal(place, valid)
 
 
@@ -174,17 +215,17 @@ def search(knot):
     inside = np.s_[:, 10 : 10 + knot, 10 : 10 + knot]
     place[inside] = place[inside][:, ::-1, ::-1]
     problem = make_problem(gg.Grid.from_planes(*place), "winslow")
-    return _Search(problem, WINSLOW, None, Progress("search", show=False), place, _Least(problem, place))
+    return begin_search(problem, WINSLOW, place, None, Progress("search", show=False))
 
 
 def moved(found):
-    return np.argwhere((found.least.coordinates != found.start).any(axis=0))
+    return np.argwhere((found.best.coordinates != found.start).any(axis=0))
 
 
 def test_a_window_is_unfolded_by_itself():
     found = search(5)
     assert not found.done
-    found.window_by_window()
+    FoldedSubdomains().run(found)
     assert found.done
     assert moved(found).min() >= 10 - 1 - 12
     assert moved(found).max() <= 14 + 1 + 12
@@ -193,32 +234,32 @@ def test_a_window_is_unfolded_by_itself():
 def test_a_window_begins_at_the_least_folded_grid_and_gives_back_whatever_ends_it(monkeypatch):
     given, found = [], search(5)
     found.parameters = {"k": 2.0}
-    found.least.coordinates = found.start + 100.0  # As folded as the start, and told apart from it.
+    found.best.coordinates = found.start + 100.0  # As folded as the start, and told apart from it.
 
-    def stopped(problem, functional, place, parameters, progress):
-        given.append(parameters)
+    def stopped(search, problem, place):
+        given.append(search.parameters)
         place[...] = place[:, :1, :1] + np.indices(place.shape[1:])
-        raise StopRequest("callback", "enough")
+        raise StopRequest(StopReason.CALLBACK, "enough")
 
-    monkeypatch.setattr(import_module("gridgen_sym.solvers.untangling.untangle"), "unfold", stopped)
+    monkeypatch.setattr(Search, "untangle_part", stopped)
     with pytest.raises(StopRequest):
-        found.window_by_window()
+        FoldedSubdomains().run(found)
     assert given == [found.parameters]
-    assert np.array_equal(found.least.coordinates, 100.0 + np.indices((41, 41)))
+    assert np.array_equal(found.best.coordinates, 100.0 + np.indices((41, 41)))
 
 
 def test_only_few_folds_are_unfolded_node_by_node():
     """Here less than 2 % of the cells, and more."""
     few, many = search(3), search(15)
-    few.node_by_node()
-    many.node_by_node()
+    FoldedNodes().run(few)
+    FoldedNodes().run(many)
     assert len(moved(few)) > 0
     assert len(moved(many)) == 0
-    assert few.least.folds.cells < 0.02 * 41**2 < many.least.folds.cells
+    assert few.best.folds.cells < 0.02 * 41**2 < many.best.folds.cells
 
 
 def test_all_nodes_are_moved_if_nothing_else_helps():
     found = search(9)
-    found.everywhere()
+    AllNodes().run(found)
     assert found.done
     assert len(moved(found)) > 0.9 * 39**2

@@ -1,4 +1,4 @@
-"""The stages in which folds that stay are lifted or explained: in which order, and what is said if one is stopped."""
+"""The last strategies and the searches for proofs: in which order, and what is reported if one is stopped."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from support_boundaries import grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
 from gridgen_sym.certificates.branching import DEFAULT_BUDGET, LARGE_BUDGET
-from gridgen_sym.solvers import minimization as run
 from gridgen_sym.solvers.run.deadline import StopRequest
+from gridgen_sym.solvers.run.status import StopReason
+from gridgen_sym.solvers.untangling import proofs
+from gridgen_sym.solvers.untangling.coarse_grids import CoarseGrids
+from gridgen_sym.solvers.untangling.feasible_starts import FeasibleStarts
 
 SLIVER, CONFLICT = (gg.Certificate(kind, (), (0.0, 0.0), {}, f"a {kind}") for kind in ("sliver", "conflict"))
 
@@ -22,8 +25,8 @@ def stages(monkeypatch):
     seen = []
 
     def prepare(does):
-        def reach(stage, work, nothing):
-            seen.append(f"{'short' if work == DEFAULT_BUDGET else 'long'} {stage}")
+        def reach(stage, budget, nothing):
+            seen.append(f"{'short' if budget == DEFAULT_BUDGET else 'long'} {stage}")
             outcome = does.get(seen[-1], nothing)
             if isinstance(outcome, BaseException):
                 raise outcome
@@ -32,14 +35,12 @@ def stages(monkeypatch):
         def certificates(grid, *, search=False, budget=LARGE_BUDGET, check=None):
             return reach("search", budget, ()) if search and check() else ()
 
-        def lift(problem, coordinates, report, work=DEFAULT_BUDGET):
-            return reach("lift", work, False)
-
-        monkeypatch.setattr(run, "certificates", certificates)
+        monkeypatch.setattr(proofs, "certificates", certificates)
         monkeypatch.setattr(
-            run, "sliver_certificate", lambda grid, *, budget, check: check() and reach("sliver", budget, None)
+            proofs, "sliver_certificate", lambda grid, *, budget, check: check() and reach("sliver", budget, None)
         )
-        monkeypatch.setattr(run, "unfold_from_middles", lift)
+        monkeypatch.setattr(CoarseGrids, "run", lambda self, search: None)
+        monkeypatch.setattr(FeasibleStarts, "_search", lambda self, search: reach("starts", self.budget, None))
         return seen
 
     return prepare
@@ -50,7 +51,7 @@ def folded_start():
     return grid_of_ring(smooth_curve(3211, 12, 0.6), 5, 3)
 
 
-SHORT, LONG = ["short search", "short lift", "short sliver"], ["long lift", "long search", "long sliver"]
+SHORT, LONG = ["short search", "short starts", "short sliver"], ["long starts", "long search", "long sliver"]
 
 
 @pytest.mark.parametrize(
@@ -77,7 +78,7 @@ def test_no_stage_is_reached_in_vain_and_the_best_proof_is_told(stages, does, re
 
 
 @pytest.mark.parametrize("stage", SHORT + LONG)
-@pytest.mark.parametrize("error", [KeyboardInterrupt(), StopRequest("time limit", "it is over")], ids=str)
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), StopRequest(StopReason.TIME_LIMIT, "it is over")], ids=str)
 def test_whatever_is_stopped_tells_once_what_is_folded_and_what_is_proved(stages, stage, error):
     first = {"short sliver": SLIVER} if stage == "long search" else {}
     seen = stages({**first, stage: error})

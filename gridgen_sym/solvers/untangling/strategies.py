@@ -1,0 +1,74 @@
+"""The list of strategies by which a folded grid becomes valid, the cheapest first; a new one is one entry here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...arrays import Array
+from ...certificates.branching import DEFAULT_BUDGET, LARGE_BUDGET
+from ...functionals.definition import Functional
+from ..problem import Problem
+from ..run.progress import Progress
+from .all_nodes import AllNodes
+from .coarse_grids import CoarseGrids
+from .feasible_starts import FeasibleStarts
+from .folded_nodes import FoldedNodes
+from .folded_subdomains import FoldedSubdomains
+from .proofs import ProofSearch, QuickProofs, SliverSearch
+from .search import Search, Strategy
+from .smallest_jacobian import SmallestJacobian
+from .winslow_barrier import WinslowBarrier
+
+#: On a grid with so many nodes a valid coarse grid is found and refined faster than the barrier is followed to its end.
+_LARGE = 4096
+
+#: What follows the regularized barrier. A subdomain or a coarse grid is untangled by these alone.
+REGULARIZED: tuple[Strategy, ...] = (FoldedNodes(), FoldedSubdomains(), AllNodes())
+
+#: All strategies. Searches for proofs are short at first, and long where no strategy has succeeded: where not even that
+#: is proved, that every grid has a sliver, there mostly is a valid one.
+STRATEGIES: tuple[Strategy, ...] = (
+    FoldedNodes(),
+    FoldedSubdomains(),
+    CoarseGrids(((2, 2),), fewest_nodes=_LARGE),
+    AllNodes(),
+    CoarseGrids(((2, 2), (4, 4))),
+    SmallestJacobian(),
+    QuickProofs(),
+    WinslowBarrier(),
+    ProofSearch(DEFAULT_BUDGET),
+    FeasibleStarts(DEFAULT_BUDGET),
+    SliverSearch(DEFAULT_BUDGET),
+    CoarseGrids(((2, 1), (1, 2), (3, 3))),
+    FeasibleStarts(LARGE_BUDGET),
+    ProofSearch(LARGE_BUDGET),
+    SliverSearch(LARGE_BUDGET),
+)
+
+
+def begin_search(
+    problem: Problem,
+    functional: Functional,
+    coordinates: Array,
+    parameters: Mapping[str, float] | None,
+    progress: Progress,
+) -> Search:
+    """Return a search that begins at a grid (2, ni, nj), which it does not change."""
+    return Search(problem, functional, parameters, progress, coordinates.copy(), REGULARIZED)
+
+
+def untangle_regularized(
+    problem: Problem,
+    functional: Functional,
+    coordinates: Array,
+    parameters: Mapping[str, float] | None,
+    progress: Progress,
+) -> bool:
+    """Follow the regularized barrier to a valid grid, in place; return whether the grid is valid.
+
+    Stops at the first valid grid; where only corners are left whose three nodes are all fixed; or where progress has
+    ended: epsilon falls and falls, and no cell unfolds any more, nor does the worst fold become shallower, or epsilon
+    has become so small that rounding decides. The grid with the fewest folded cells is left, whatever ends it.
+    """
+    search = begin_search(problem, functional, coordinates, parameters, progress)
+    return search.run_into(coordinates, REGULARIZED)
