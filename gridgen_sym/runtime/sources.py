@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import secrets
+import sys
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -49,23 +51,38 @@ def _key(functional: Functional, variant: Variant, backend: Backend) -> str:
     """Return a key that changes with the definition and with everything that derives and prints."""
     # The definition of a built-in functional is part of the package's text, so SymPy need not be loaded to know it.
     definition = "" if is_builtin(functional.name) else definition_digest(functional)
-    return cache.digest(functional.name, definition, variant, backend.name, _generator_digest(_folder(backend)))
+    return cache.digest(functional.name, definition, variant, backend.name, _digest(_generator()), _printer(backend))
 
 
-def _folder(backend: Backend) -> Path:
-    """Return the folder of a back end: what stands there prints its kernels."""
-    import inspect
+def _generator() -> tuple[Path, ...]:
+    """Return the files that derive kernels, and all templates."""
+    package = Path(__file__).parent.parent
+    folders = (*(package / part for part in ("functionals", "symbolic", "codegen")), resource_folder("templates"))
+    return tuple(path for folder in folders for path in _texts(folder))
 
-    return Path(inspect.getfile(type(backend))).parent
+
+def _printer(backend: Backend) -> str:
+    """Return a key of what prints a back end's kernels: the package that it is in, or its file if it is in none."""
+    module = sys.modules[type(backend).__module__]
+    file = getattr(module, "__file__", None)
+    if file is None:  # It was typed in: it may be another one in the next process.
+        return _token()
+    return _digest(tuple(_texts(Path(file).parent)) if module.__package__ else (Path(file),))
+
+
+def _texts(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*") if path.suffix in (".py", ".jinja"))
+
+
+@lru_cache(maxsize=1)
+def _token() -> str:
+    return secrets.token_hex(8)
 
 
 @lru_cache(maxsize=8)
-def _generator_digest(backend: Path) -> str:
-    package = Path(__file__).parent.parent
-    texts = [*sorted(resource_folder("templates").rglob("*.jinja"))]
-    for folder in (*(package / part for part in ("functionals", "symbolic", "codegen")), backend):
-        texts += sorted(folder.rglob("*.py"))
+def _digest(paths: tuple[Path, ...]) -> str:
+    """Return a key of the names and contents of some files."""
     digest = hashlib.sha256()
-    for path in texts:
+    for path in paths:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()

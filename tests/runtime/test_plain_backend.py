@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import plain_python
@@ -14,7 +15,9 @@ from support import case_name, kernel_set, random_grid, random_weight, relative_
 
 import gridgen_sym as gg
 from gridgen_sym.codegen import backend as registry
-from gridgen_sym.runtime import find_compiler
+from gridgen_sym.codegen.backend import find_backend
+from gridgen_sym.functionals import functional
+from gridgen_sym.runtime import find_compiler, sources
 
 ROUND_OFF = 1e-12
 
@@ -65,6 +68,26 @@ def test_a_solver_runs_with_it(monkeypatch):
     assert found.converged
     assert expected.converged
     assert relative_difference(found.grid.planes, expected.grid.planes) < 1e-10
+
+
+@pytest.mark.usefixtures("plain")
+def test_what_it_prints_is_kept_until_it_prints_otherwise(monkeypatch, tmp_path):
+    """A file that stands alone is its own printer; what was typed in is printed again in every process."""
+    winslow, keys = functional("winslow"), []
+    for text in ("# one", "# two"):
+        file = tmp_path / "lonely.py"
+        file.write_text(text)
+        lonely = type("Lonely", (plain_python.PlainPython,), {"__module__": "lonely"})()
+        monkeypatch.setitem(sys.modules, "lonely", SimpleNamespace(__file__=str(file), __package__=""))
+        sources._digest.cache_clear()
+        keys.append(sources._key(winslow, "plain", lonely))
+    for token in ("one process", "another"):
+        monkeypatch.setitem(sys.modules, "lonely", SimpleNamespace(__package__=""))
+        monkeypatch.setattr(sources, "_token", lambda token=token: token)
+        keys.append(sources._key(winslow, "plain", lonely))
+    keys += [sources._key(winslow, "plain", find_backend(name)) for name in ("c", "numpy", "plain")]
+    assert len(set(keys)) == len(keys)
+    assert keys[-1] == sources._key(winslow, "plain", plain_python.BACKEND)
 
 
 @pytest.mark.usefixtures("plain")
