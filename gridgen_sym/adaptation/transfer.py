@@ -14,9 +14,9 @@ from .recovery import nodal_values
 def transfer(source: Grid, values: npt.ArrayLike, target: Grid, *, smooth: bool = False) -> Array:
     """Return values at the nodes of `target` that interpolate nodal values on `source`.
 
-    Linear on the Delaunay triangles of the nodes: no value leaves the range of the given ones, so that fronts do not
-    overshoot. Nodes of `target` outside the hull of `source` (its boundary may be cut a little differently) take the
-    nearest value. A node that both grids have keeps its value to round-off.
+    Linear in the two triangles of each cell: no value leaves the range of the given ones, so that fronts do not
+    overshoot. Nodes of `target` outside `source` (its boundary may be cut a little differently) take the value of the
+    nearest point of its boundary. A node that both grids have keeps its value to round-off.
 
     Args:
         source: the grid of the values.

@@ -2,7 +2,7 @@
 
 SciPy interpolates. Values between samples are linear by default, so that no weight becomes negative between
 positive samples; a `smooth` field is a cubic that has the derivatives that a differentiated weight needs. Outside the
-samples (of scattered points: outside their convex hull) the nearest value counts.
+samples (of scattered points: outside their convex hull; of a valid grid: outside its boundary) the nearest counts.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ import numpy.typing as npt
 
 from ..arrays import Array, real_array
 from ..errors import GridgenError
-from ..grids import Grid
+from ..grids import Grid, quality
 from ..grids.grid import check_grid
 from .function import difference
+from .structured import StructuredInterpolation
 
 #: Fewer samples span no plane, and less than a grid of cubics in either direction.
 _FEWEST_POINTS, _FEWEST_SMOOTH = 3, 4
@@ -86,7 +87,10 @@ def scattered_field(points: npt.ArrayLike, values: npt.ArrayLike, *, smooth: boo
 
 
 def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False) -> SampledField:
-    """Interpolate values at the nodes of a grid, or at the centers of its cells, as `scattered_field` does.
+    """Interpolate values at the nodes of a grid, or in its cells.
+
+    Linear in the two triangles of each cell; outside the grid the nearest point of its boundary counts. A `smooth`
+    field, and one on a folded grid, is made of the nodes as `scattered_field` does.
 
     Args:
         grid: the grid of the samples.
@@ -106,6 +110,10 @@ def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False) -> Sa
             f"came {value.shape}"
         )
     _check_finite(value[..., np.newaxis], "node")
+    if not smooth and quality(grid).valid:
+        places = StructuredInterpolation(grid)
+        kind = f"on a grid of {ni} x {nj} nodes"
+        return SampledField(kind, None, lambda x, y: places.values(value, x, y), places.covers)
     return _triangulated(grid.xy.reshape(-1, 2), value.ravel(), f"on a grid of {ni} x {nj} nodes", smooth=smooth)
 
 

@@ -49,7 +49,7 @@ class Weight:
         """Return the weight that interpolates values (ni, nj) at the nodes of a grid, or (ni-1, nj-1) in its cells.
 
         Unlike an array it belongs to places, not to nodes: where a node goes, it meets the weight of that place.
-        Linear if frozen, cubic if differentiated (see `sampled`); the nearest sample counts outside the grid's hull.
+        Linear if frozen, cubic if differentiated (see `grid_field`); outside the grid the nearest sample counts.
         """
         return cls(grid_field(grid, values, smooth=mode == "differentiated"), mode, allow_negative)
 
