@@ -1,13 +1,14 @@
 """The paper's adaptive weights
 ============================
 
-Section 4.1 of the paper: the area functional with s = 5 + 200 abs(sin(2 pi x) sin(2 pi y)) on the unit square. A frozen
+Section 3.1 of the paper: the area functional with s = 5 + 200 abs(sin(2 pi x) sin(2 pi y)) on the unit square. A frozen
 weight is to make s J constant: how much it varies over the cells (standard deviation over mean) is measured before and
 after. The paper's few sweeps of one node at a time stop while the grid is still smooth; `gg.adapt` settles, with a
 little of Winslow's functional beside the area.
 
 The paper's second weight drops the absolute value and is negative on half of the square. Larger cells have less energy
-there, without end: the program refuses it, and where the user insists, it says that the energy has no lower bound.
+there: the program refuses it, and where the user insists, it reports that the energy has no lower bound where cells may
+fold.
 """
 
 import numpy as np

@@ -117,7 +117,7 @@ def verify() -> None:
     discoveries = sum(verdict.is_discovery for verdict in told)
     click.echo(
         f"{len(told)} printed equations and claims: {plain} agree, {conditional} where J > 0 only, "
-        f"{len(known)} are known errata ({', '.join(sorted(set(known)))}), "
+        f"{len(known)} are known errata ({', '.join(sorted(set(known), key=lambda key: int(key[1:])))}), "
         f"{discoveries} differ without a known erratum"
     )
     if discoveries:

@@ -49,6 +49,7 @@ class PrintedEquation:
             (words), `weight` (an adaptive function of x and y).
         expressions: the expressions as text, or the words of a claim.
         functional: the functional it belongs to, if any.
+        of_sum: whether an `equation` is that of a functional which is printed as a sum, not as an integral.
         component: 0 for the equation printed first (that of x), 1 for the second (that of y).
     """
 
@@ -59,6 +60,7 @@ class PrintedEquation:
     expressions: tuple[str, ...]
     functional: str | None = None
     component: int = 0
+    of_sum: bool = False
 
 
 _GENERAL = (
@@ -402,6 +404,7 @@ _COMBINED = (
             " + (x_xi**2 + y_xi**2)*x_etaeta",
         ),
         "knupp",
+        of_sum=True,
     ),
     PrintedEquation(
         "knupp-expanded-2",
@@ -415,6 +418,7 @@ _COMBINED = (
         ),
         "knupp",
         1,
+        of_sum=True,
     ),
 )
 
@@ -433,6 +437,22 @@ _WINSLOW = (
         r"\text{it has a barrier}",
         "claim",
         ("barrier",),
+        "winslow",
+    ),
+    PrintedEquation(
+        "winslow-degenerate",
+        "Section 2.5, after the discrete functional",
+        r"\text{approaches infinity when the cells degenerate, } |\boldsymbol{J}| \to 0",
+        "claim",
+        ("infinite where cells degenerate",),
+        "winslow",
+    ),
+    PrintedEquation(
+        "winslow-inner-nodes",
+        "Section 2.5, discrete functional, summed over the n internal nodes",
+        r"\sum_{k=1}^{n} \text{ has a barrier, thus, this functional produces unfolded grids}",
+        "claim",
+        ("unfolded by the sum over inner nodes",),
         "winslow",
     ),
     PrintedEquation(
@@ -549,6 +569,14 @@ _LIAO = (
         r"\text{has a barrier}",
         "claim",
         ("barrier",),
+        "modified_liao",
+    ),
+    PrintedEquation(
+        "modified-liao-degenerate",
+        "Section 2.7, text",
+        r"\text{approaches infinity when the cells degenerate, } |\boldsymbol{J}| \to 0",
+        "claim",
+        ("infinite where cells degenerate",),
         "modified_liao",
     ),
     PrintedEquation(

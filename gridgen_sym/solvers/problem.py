@@ -141,11 +141,12 @@ class Problem:
             )
         negative = self.weight.negative_nodes(coordinates)
         if negative:
-            # Between a barrier at J = 0 and the area of the domain, J is bounded.
-            bound = "may have no lower bound, and then" if self.kernels.barrier else "has no lower bound, and"
+            # On valid grids with this boundary J is bounded, and so is the energy, unless it has a barrier.
+            bound = "where cells may fold, the energy has no lower bound, and"
+            if self.kernels.barrier:
+                bound = "the energy may have no lower bound, and then"
             said += (
-                f" The weight is negative at {negative} of {coordinates[0].size} nodes: the energy {bound} no grid "
-                "minimises it."
+                f" The weight is negative at {negative} of {coordinates[0].size} nodes: {bound} no grid minimises it."
             )
         return said
 

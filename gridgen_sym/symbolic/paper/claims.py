@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy
 
-from ...functionals import functional
+from ...functionals import Functional, functional
 from ...functionals.paper import PrintedEquation
 from ..classify.classification import classify
 from ..coordinates import J, expand_metric, g11, g12, g22, s, x_eta, x_xi, y_eta, y_xi
@@ -12,7 +12,10 @@ from ..definiteness import is_nonnegative
 from ..derive.discrete import corner_model, has_barrier, variant_density
 from .comparison import agreement, weight_minimum
 from .errata import Finding
+from .interior_sum import inner_minimum
 from .notation import read
+
+_t = sympy.Symbol("t", positive=True)
 
 
 def refutation(text: str) -> Finding:
@@ -56,7 +59,7 @@ def compare_parameters(printed: PrintedEquation) -> Finding:
     combined = variant_density(functional("combined"), "plain").subs(values)
     difference = sympy.expand(expand_metric(combined - variant_density(functional(printed.functional), "plain")))
     if difference == 0:
-        return agreement("the combined density is then g11*g22/4")
+        return agreement("the combined sum is then that of g11*g22/2")
     return Finding(False, "differs", "other", difference, f"combined - {printed.functional} = {difference}")
 
 
@@ -66,7 +69,7 @@ def compare_weight(printed: PrintedEquation) -> Finding:
     least, place = weight_minimum(weight)
     if least < 0:
         where = ", ".join(f"{name} = {value}" for name, value in place.items())
-        text = f"s = {least} at {where}: the weighted energy is unbounded below"
+        text = f"s = {least} at {where}: there larger cells have less energy"
         return Finding(False, "claim refuted", "negative weight", least, text)
     return agreement("non-negative, term by term") if weight.is_nonnegative else refutation("its sign is not known")
 
@@ -87,9 +90,40 @@ def compare_claim(printed: PrintedEquation) -> Finding:
             if has_barrier(known) == (word == "barrier")
             else refutation("the limit at J = 0 says otherwise")
         )
+    if word == "infinite where cells degenerate":
+        return _compare_degenerate(known)
+    if word == "unfolded by the sum over inner nodes":
+        return _compare_inner_sum(known)
     if word == "non-negative":
         return agreement("a square") if _is_bounded_below_by_zero(printed) else refutation("negative somewhere")
     return _compare_beyond_barrier(printed)
+
+
+def _compare_degenerate(known: Functional) -> Finding:
+    """Decide 'infinite where |J| -> 0' on the cells g1 = (1, 0), g2 = (0, t), and on those that shrink, t g1 and g2."""
+    energy = expand_metric(corner_model(known, "plain").energy).subs({y_xi: 0, x_eta: 0})
+    closing, shrinking = (sympy.limit(energy.subs({x_xi: first, y_eta: _t}), _t, 0, "+") for first in (sympy.S.One, _t))
+    if closing != sympy.oo:
+        return refutation(f"g1 = (1, 0), g2 = (0, t) has energy {closing} as t -> 0")
+    if shrinking == sympy.oo:
+        return agreement()
+    text = f"g1 = (t, 0), g2 = (0, t) has energy {shrinking} as t -> 0; g1 = (1, 0), g2 = (0, t) has {closing}"
+    condition = "claim holds under a condition: the edges do not all shrink"
+    return Finding(False, condition, "finite where shrinking", shrinking, text)
+
+
+def _compare_inner_sum(known: Functional) -> Finding:
+    """Decide whether the minimum of the sum over inner nodes is unfolded, on a grid of 3 x 3 nodes."""
+    found = inner_minimum(expand_metric(corner_model(known, "plain").energy))
+    at, valid = ("({:.3f}, {:.3f})".format(*place) for place in (found.place, found.valid_place))
+    text = (
+        f"on the unit square with 3 x 3 nodes, the lower middle one at (0.15, 0.5), its minimum is at {at} with energy "
+        f"{found.energy:.2f}, where a corner at a boundary node has J = {found.smallest:.3f}; at {valid} all corners "
+        f"have J >= {found.valid_smallest:.4f}"
+    )
+    if found.smallest > 0 or found.valid_smallest <= 0:
+        return agreement(text)
+    return Finding(False, "claim refuted", "folded at a boundary node", sympy.Float(found.smallest, 6), text)
 
 
 def _is_bounded_below_by_zero(printed: PrintedEquation) -> bool:

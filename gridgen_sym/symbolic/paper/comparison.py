@@ -8,7 +8,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from ...functionals import functional, functionals, is_builtin
-from ...functionals.paper import PrintedEquation
+from ...functionals.paper import PRINTED, PrintedEquation
 from ..classify.principal_symbol import principal_symbol
 from ..coordinates import METRIC, SECOND_DERIVATIVES, J, expand_metric, s, x, x_eta, x_xi, y, y_eta, y_xi
 from ..derive.continuous import euler_lagrange
@@ -56,9 +56,11 @@ def compare_general(printed: PrintedEquation) -> Finding:
 
 
 def compare_equation(printed: PrintedEquation) -> Finding:
-    """Compare an Euler–Lagrange equation of one functional with both derived ones."""
+    """Compare an Euler–Lagrange equation of one functional with both derived ones, those of its sum where it is one."""
     assert printed.functional is not None
-    derived = euler_lagrange(functional(printed.functional), "plain").residual
+    known = functional(printed.functional)
+    scale = known.corner_factor if printed.of_sum else 1
+    derived = [scale * part for part in euler_lagrange(known, "plain").residual]
     expression = read(printed.expressions[0])
     own, other = derived[printed.component], derived[1 - printed.component]
     factor = _factor(expression, own)
@@ -68,7 +70,7 @@ def compare_equation(printed: PrintedEquation) -> Finding:
     if exchanged is not None:
         here, there = ("x", "y") if printed.component == 0 else ("y", "x")
         text = f"printed in the place of the {here}-equation, it is {exchanged} times the {there}-equation"
-        return Finding(False, "differs", "exchanged", exchanged, text)
+        return Finding(True, "agrees in exchanged order", "exchanged", exchanged, text)
     return _other(expression, own)
 
 
@@ -136,11 +138,16 @@ def compare_sum(printed: PrintedEquation) -> Finding:
     if where is None:
         difference = sympy.factor(expand_metric(expression - energy))
         return Finding(False, "differs", "other", difference, f"printed - derived = {difference}")
-    if known.corner_factor != 1:
+    if known.corner_factor != 1 and _is_printed_as_integral(printed.functional):
         factor = sympy.Integer(known.corner_factor)
         text = f"the sum is {factor} times the density of the integral"
         return Finding(True, "agrees up to a factor", "multiple of the integral", factor, text)
     return _where(where)
+
+
+def _is_printed_as_integral(name: str) -> bool:
+    """Return whether the paper prints an integral of a functional beside its sum."""
+    return any(one.kind == "integral" and one.functional == name for one in PRINTED)
 
 
 def compare_equality(printed: PrintedEquation) -> Finding:

@@ -25,6 +25,8 @@ Nature = Literal[
     "negative weight",
     "multiple of the integral",
     "only where J > 0",
+    "finite where shrinking",
+    "folded at a boundary node",
 ]
 
 
@@ -76,6 +78,7 @@ class Erratum:
         )
 
 
+#: There is no E4: Knupp's printed equations are those of the combination of the sums, which is what Section 2.4 prints.
 ERRATA = (
     Erratum(
         "E1",
@@ -95,13 +98,13 @@ ERRATA = (
         ("exchanged",),
         ("area-divergence-1", "area-divergence-2"),
         ("1", "-1"),
-        "the two divergence equations are exchanged, up to sign",
+        "the two divergence equations are printed in exchanged order, up to sign; as a pair they are right",
         (
             r"For $F = J^2/2$ the fluxes of the equation of $x$ are $\partial F/\partial x_\xi = J y_\eta$ and "
             r"$\partial F/\partial x_\eta = -J y_\xi$: they contain $y$. The paper prints the equation with $x$ "
             r"in its fluxes first, which is minus the equation of $y$, and the equation of $x$ second. As a "
             r"system the two say the same; a program that solves the first for $x$ and the second for $y$, as "
-            r"the expanded form suggests, would exchange them."
+            r"the expanded form suggests, would exchange them. It is a remark on their order only."
         ),
     ),
     Erratum(
@@ -114,19 +117,6 @@ ERRATA = (
             r"The coefficient of $x_{\eta\eta}$ in the equation of $y$ and that of $y_{\eta\eta}$ in the "
             r"equation of $x$ are the same second derivative of $F$, so they must be equal. The paper prints "
             r"$-x_\xi y_\xi$ in the one and $-y_\xi y_\xi$ in the other. The second is a slip of one letter."
-        ),
-    ),
-    Erratum(
-        "E4",
-        ("multiple",),
-        ("knupp-expanded-1", "knupp-expanded-2"),
-        ("2",),
-        "the printed equations are those of g11*g22/2, twice those of the combination of the integrals as printed",
-        (
-            r"With $k_A = k_O = 1/2$ and the integrals as they are printed, each with its own factor 1/2, the "
-            r"combined density is $(J^2 + g_{12}^2)/4$, and by the identity $J^2 + g_{12}^2 = g_{11} g_{22}$ "
-            r"that is $g_{11} g_{22}/4$. The printed equations are those of $g_{11} g_{22}/2$. Solved alone they"
-            r" have the same solutions. The factor of two counts as soon as they are added to something else."
         ),
     ),
     Erratum(
@@ -176,25 +166,54 @@ ERRATA = (
         ("negative weight",),
         ("weight-2",),
         (),
-        "where the weight is negative, the weighted Area energy is unbounded below",
+        "where the weight is negative, larger cells have less weighted Area energy: on grids with a fixed boundary and "
+        "J > 0 it is bounded below, and unbounded only where nodes may leave the domain or cells may fold",
         (
             r"The second adaptive example drops the absolute value of the first: $s = 5 + 200 \sin 2\pi x\,\sin "
             r"2\pi y$ is $-195$ at $x = 1/4$, $y = 3/4$. There a larger cell has a smaller weighted energy $s "
-            r"J^2$, without end: no minimum exists. The program refuses such a weight unless it is told to take "
-            r"it."
+            r"J^2$. On grids with a fixed boundary and $J > 0$ the sum of $J$ is bounded, and so the energy is "
+            r"bounded below. Where nodes may leave the domain, or cells may fold, it falls without end, and no "
+            r"minimum exists. The program refuses such a weight unless `allow_negative` is given."
         ),
     ),
     Erratum(
         "E9",
         ("multiple of the integral",),
-        ("area-sum", "length-sum", "orthogonality-sum", "combined-sum"),
+        ("area-sum", "length-sum", "orthogonality-sum"),
         ("2",),
         "the integral has the factor 1/2, the sum has not",
         (
-            r"The integrals of Area, Length and Orthogonality carry a factor 1/2, their discrete sums do not, "
-            r"nor does that of the combined functional. A factor of the whole does not move a minimum. It must "
+            r"The integrals of Area, Length and Orthogonality carry a factor 1/2, their discrete sums do not. "
+            r"(Section 2.4 combines the sums, so that Knupp's is that of $g_{11} g_{22}/2$, and its printed "
+            r"equations agree.) A factor of the whole does not move a minimum. It must "
             r"be known to compare energies, and the discrete gradient with the Euler–Lagrange equations: a "
             r"functional's `corner_factor` says it."
+        ),
+    ),
+    Erratum(
+        "E10",
+        ("folded at a boundary node",),
+        ("winslow-inner-nodes",),
+        (),
+        "the sums run over inner nodes, so that corners at boundary nodes have no barrier and may fold",
+        (
+            r"Node $k$ runs over the $n$ internal nodes, and $i$ over the four cells round it: corners at boundary "
+            r"nodes are in no sum. On $3 \times 3$ nodes of the unit square whose lower middle node is at "
+            r"$(0.15, 0.5)$, the minimum of the Winslow sum has a corner with $J < 0$ at that node, although a valid "
+            r"grid with this boundary exists. The program sums over all corners of all cells; with "
+            r"`interior_only=True, keep_valid=False` it returns the paper's literal minimum."
+        ),
+    ),
+    Erratum(
+        "E11",
+        ("finite where shrinking",),
+        ("winslow-degenerate", "modified-liao-degenerate"),
+        ("2", "4"),
+        "the value is infinite as |J| -> 0 only where the edges do not all shrink: similar cells have the same value",
+        (
+            r"Both densities are of degree 0: they see the shape of a cell, and not its size. The cell with "
+            r"$\mathbf g_1 = (t, 0)$ and $\mathbf g_2 = (0, t)$ is a square for every $t$, with $J = t^2 \to 0$ and "
+            r"$\mathsf K = 2$. The value grows without end where an edge keeps its length, or the angle closes."
         ),
     ),
 )

@@ -22,11 +22,12 @@ class Verdict:
 
     Attributes:
         equation: what was compared.
-        agrees: whether it has the solutions of the derived equation (a factor does no harm), or the claim holds.
-        status: `agrees`, `agrees up to sign`, `agrees up to a factor`, `holds where J > 0`, `differs`,
-            `claim refuted` or `claim holds under a condition: J > 0`.
+        agrees: whether it has the solutions of the derived equation (a factor does no harm), or of the other one of
+            the pair, or the claim holds.
+        status: `agrees`, `agrees up to sign`, `agrees up to a factor`, `agrees in exchanged order`,
+            `holds where J > 0`, `differs`, `claim refuted` or `claim holds under a condition: ...`.
         difference: printed minus derived, or the factor printed/derived where there is one; 0 for agreement.
-        erratum: the key of the known erratum, E1 to E9, or None.
+        erratum: the key of the known erratum, E1 to E11, or None.
         text: one line.
     """
 
@@ -44,8 +45,9 @@ class Verdict:
 
     @property
     def is_discovery(self) -> bool:
-        """Return whether it differs, if only by a factor, without a known erratum."""
-        return self.erratum is None and (not self.agrees or self.status == "agrees up to a factor")
+        """Return whether it differs, if only by a factor or in order, without a known erratum."""
+        loosely = self.status in ("agrees up to a factor", "agrees in exchanged order")
+        return self.erratum is None and (not self.agrees or loosely)
 
 
 _COMPARE: Mapping[Kind, Callable[[PrintedEquation], Finding]] = {
