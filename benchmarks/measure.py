@@ -159,7 +159,7 @@ def plot(path: Path, panels: Sequence[tuple[str, Series]], xlabel: str, ylabel: 
         1, len(panels), figsize=(5.2 * len(panels), 4.8), sharey=True, squeeze=False, layout="constrained"
     )
     for axis, (title, series) in zip(axes[0], panels, strict=True):
-        # Too many series are an error: two of one color could not be told apart.
+        # Too many series are an error: two of one color could not be distinguished.
         for (name, (x, y)), (color, marker) in zip(series.items(), STYLES[: len(series)], strict=True):
             axis.loglog(x, y, label=name, markersize=5, linewidth=1.5, color=color, marker=marker)
         axis.set(title=title, xlabel=xlabel)

@@ -1,4 +1,4 @@
-"""The arrays that every package hands on, and the one check of what a user gives as numbers."""
+"""The arrays that all packages exchange, and the one check of what a user gives as numbers."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ _NUMBER = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|inf(inity
 
 
 def number_in(text: str) -> float:
-    """Return the number that a text is, but for blanks round it.
+    """Return the number that a text is, apart from blanks around it.
 
     Python's `float` also takes digits of other scripts, and `1_0` for ten.
 
@@ -22,7 +22,7 @@ def number_in(text: str) -> float:
 
 
 def whole_number_in(text: str) -> int:
-    """Return the whole number, of at most 18 digits, that a text is, but for blanks round it.
+    """Return the whole number, of at most 18 digits, that a text is, apart from blanks around it.
 
     Raises:
         ValueError: if it is none.

@@ -1,4 +1,4 @@
-"""Find `templates/` and `generated/`, which stand at the top of the repository and inside the wheel."""
+"""Find `templates/` and `generated/`, which are at the top of the repository and inside the wheel."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def star_polygon(seed, count, flatness):
 
 
 def flat_polygon(seed, count, thickness):
-    """A band of random thickness round a random line: nearly without area."""
+    """A band of random thickness around a random line: nearly without area."""
     random = np.random.default_rng(seed)
     half = count // 2
     x = np.sort(random.random(half))

@@ -16,7 +16,7 @@ TABLES = dict(re.findall(r"```bash\npython examples/(\S+)\n```\n\n```\n(.*?)```"
 
 
 def assert_alike(printed, told):
-    """Compare lines: words must be the same, numbers may differ by a fifth, as they do from one machine to another."""
+    """Compare lines: words must be the same, numbers may differ by a fifth, as they do from machine to machine."""
     assert len(printed) == len(told)
     for line, expected in zip(printed, told, strict=True):
         words, others = line.split(), expected.split()

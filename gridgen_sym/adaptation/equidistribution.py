@@ -48,7 +48,7 @@ def equidistribution(grid: Grid, weight: Weight | npt.ArrayLike) -> Equidistribu
 
     Args:
         grid: the grid.
-        weight: s; a `Weight` or a source of one. A function of place is evaluated at the means of the cells' nodes,
+        weight: s; a `Weight` or a source of one. A function of position is evaluated at the means of the cells' nodes,
             values per node are averaged over the cell's.
 
     Raises:

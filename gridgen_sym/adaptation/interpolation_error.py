@@ -32,7 +32,7 @@ def interpolation_error(grid: Grid, function: Field | Source, values: npt.ArrayL
     """
     check_grid(grid)
     if not quality(grid).valid:
-        raise GridgenError("on a folded grid nodal values are no function of place: use gridgen_sym.untangle")
+        raise GridgenError("on a folded grid nodal values are no function of position: use gridgen_sym.untangle")
     exact = as_field(function, "the function")
     if exact.per_node:
         raise GridgenError(

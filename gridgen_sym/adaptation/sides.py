@@ -21,7 +21,7 @@ from ..solvers.multilevel.prolongation import from_boundary
 
 Boundary = Literal["fixed", "straight", "all"]
 
-#: Where the nodes of the four sides stand in an array (ni, nj).
+#: Where the nodes of the four sides are in an array (ni, nj).
 _PLACES: tuple[Any, ...] = (np.s_[:, 0], np.s_[-1, :], np.s_[:, -1], np.s_[0, :])
 #: How far from the line between its ends a straight stretch may be, over its length: round-off of its coordinates.
 _STRAIGHT = 1e-9

@@ -109,7 +109,7 @@ def settled_corners(
 
 
 def _nearest_convex(length: Array, total: float, angle: Array, corners: Corners, k: int) -> list[int]:
-    """Return the vertices that turn to the left round corner k, the nearest first."""
+    """Return the vertices that turn to the left around corner k, the nearest first."""
     here, before, after = (length[corners[m % 4]] for m in (k, k - 1, k + 1))
     forward, backward = (length - here) % total, (here - length) % total
     near = (forward <= (after - here) % total / 2) | (backward <= (here - before) % total / 2)

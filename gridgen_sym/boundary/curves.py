@@ -29,7 +29,7 @@ def polyline(points: list[tuple[float, float]], at: list[float]) -> Side:
 
 
 def arc(rx: float, ry: float, start: float, turn: float, center: float = 0.0) -> Side:
-    """Return an elliptic arc round (center, 0), clockwise over `turn` from the angle `start`.
+    """Return an elliptic arc around (center, 0), clockwise over `turn` from the angle `start`.
 
     Clockwise, because the sides 'bottom' and 'top' must keep the domain's outside (increasing eta) on their
     left.

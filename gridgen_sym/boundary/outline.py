@@ -62,8 +62,8 @@ class Outline:
                 are rolled so that the first corner comes first. Indices and marks of copies of the first point are
                 those of that point.
             name: what to call it in messages.
-            reorient: run a clockwise curve backwards from its second corner, which is said: bottom and top stay on
-                their curves, left and right change places. Without it such a curve is refused.
+            reorient: run a clockwise curve backwards from its second corner, which is reported: bottom and top stay on
+                their curves, left and right are exchanged. Without it such a curve is refused.
 
         Raises:
             GridgenError: naming the outline, the fault, its place and the repair.
@@ -80,7 +80,7 @@ class Outline:
             raise GridgenError(f"the outline '{name}' runs clockwise; expected counter-clockwise, or reorient=True")
         if clockwise:
             array, checked = run_backwards(array, checked)
-            ways = "" if automatic else " from corner 1: bottom and top stay, left and right change places"
+            ways = "" if automatic else " from corner 1: bottom and top stay, left and right are exchanged"
             say(f"the outline '{name}' runs clockwise, and is taken backwards{ways}")
         if automatic:
             array, checked = rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
@@ -180,7 +180,7 @@ class Outline:
         Args:
             ni: nodes along bottom and top.
             nj: nodes along left and right.
-            corners: as for `choose_corners`; a moved corner is told on standard error.
+            corners: as for `choose_corners`; a moved corner is reported on standard error.
             sampling: 'features' keeps sharp turns of the outline as nodes where there are nodes enough, and lets the
                 spacing vary smoothly between them; 'equal' has nodes at equal arc lengths of each side's polygon.
 

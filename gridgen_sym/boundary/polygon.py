@@ -57,7 +57,7 @@ def proper_crossings(points: Array, check: Callable[[], object] | None = None) -
 
 
 def winding_number(points: Array, at: Array) -> int | None:
-    """Return how often a closed polygon (N, 2) winds round a point, counter-clockwise; None on the polygon. Exact."""
+    """Return how often a closed polygon (N, 2) winds around a point, counter-clockwise; None on the polygon. Exact."""
     end = np.roll(points, -1, axis=0)
     low, high = np.minimum(points, end), np.maximum(points, end)
     spans = np.flatnonzero((low[:, 1] <= at[1]) & (at[1] <= high[:, 1]))

@@ -58,7 +58,7 @@ def _coincident(ring: Array, index: NDArray[np.intp]) -> list[Certificate]:
 def _crossing(
     ring: Array, index: NDArray[np.intp], turn: float | None, check: Callable[[], object] | None
 ) -> list[Certificate]:
-    """Certify a boundary that crosses itself and winds backwards round some point, or turns too little or too much."""
+    """Certify a boundary that crosses itself and winds backwards around some point, or turns too little or too much."""
     crossings = proper_crossings(ring, check)
     numbers: dict[str, float] = {"crossings": len(crossings)}
     for count, (a, b) in enumerate(crossings[:_MOST_CROSSINGS]):
@@ -93,7 +93,7 @@ def _crossing_certificate(
 
 
 def _negative_winding(ring: Array, a: int, b: int) -> tuple[tuple[float, float], int] | None:
-    """Return a point to the right of two edges that cross, near them, round which the boundary winds backwards."""
+    """Return a point to the right of two edges that cross, near them, around which the boundary winds backwards."""
     end = np.roll(ring, -1, axis=0)
     one, other = end[a] - ring[a], end[b] - ring[b]
     sign = float(orientation(ring[a], end[a], end[b])[0])
@@ -184,5 +184,5 @@ def _corner_positions(ni: int, nj: int) -> NDArray[np.intp]:
 
 
 def _nodes(index: NDArray[np.intp], *positions: int) -> tuple[Node, ...]:
-    """Return the indices (i, j) of positions in the ring, counted round it."""
+    """Return the indices (i, j) of positions in the ring, counted around it."""
     return tuple((int(i), int(j)) for i, j in index[np.array(positions) % len(index)])

@@ -40,7 +40,7 @@ class Certificate:
         kind: the reason:
 
             * 'coincident': two neighbors on the boundary are one point;
-            * 'crossing': the boundary crosses itself and winds a negative number of times round some point, or its
+            * 'crossing': the boundary crosses itself and winds a negative number of times around some point, or its
               tangent does not turn through 360 degrees in all;
             * 'clockwise': the boundary runs clockwise, or encloses no area; reversing one axis may repair that;
             * 'corner': the three fixed nodes at a logical corner form a Jacobian that is not positive;
@@ -55,7 +55,7 @@ class Certificate:
         point: where to look, (x, y), rounded.
         numbers: what was measured. 'corner': the number (0 to 3, counter-clockwise from (0, 0)) of a 'corner';
             'angle': its inner angle in degrees, also of a 'spike'; 'crossings': how many pairs of edges cross;
-            'winding': how often the boundary winds round the point 'x', 'y'; 'turn': its total turn in degrees;
+            'winding': how often the boundary winds around the point 'x', 'y'; 'turn': its total turn in degrees;
             'cells': how many conflict; 'jacobian_fraction': the corner Jacobians of a 'sliver' cannot all exceed this
             fraction of the Jacobians predicted from the boundary spacing (`expected_jacobians`).
         message: a sentence that names the reason, the nodes and a repair.

@@ -43,10 +43,10 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Of the functional. May be repeated."
 )
 @start_options
-@click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid so far will do.")
+@click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid is returned.")
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
-@click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
 @functionals_option
 def adapt(
     input: str,
@@ -93,7 +93,7 @@ def adapt(
 
 
 def _report(result: AdaptResult, quiet: bool) -> None:
-    """Print what came out; a grid that has not settled is told on standard error as well."""
+    """Print what came out; a grid that has not settled is reported on standard error as well."""
     if result.converged:
         say(quiet, str(result))
     else:

@@ -36,7 +36,7 @@ _OPTIONS = (
     click.option(
         "--reorient/--no-reorient",
         default=True,
-        help="Whether an outline or a grid file that runs clockwise is turned round.  [default: reorient]",
+        help="Whether an outline or a grid file that runs clockwise is reversed.  [default: reorient]",
     ),
 )
 
@@ -144,7 +144,7 @@ def _outline_grid(path: str, ni: int, nj: int, corners: str | None, sampling: st
 
 
 def _grid_file(path: str, size: tuple[int, int] | None, reorient: bool) -> Grid:
-    """Return the grid of a file; one that runs clockwise is mirrored, unless that is forbidden, and it is said."""
+    """Return the grid of a file; one that runs clockwise is mirrored and reported, or refused."""
     from ..certificates import certificates
     from ..grids import Grid
     from ..io import read

@@ -22,7 +22,7 @@ _PACKAGES = ("numpy", "scipy", "sympy", "matplotlib")
 
 @click.command()
 def info() -> None:
-    """Tell which backend, compiler, cache and versions are used, and why."""
+    """Report which back end, compiler, cache and versions are used, and why."""
     from ..resources import resource_folder
     from ..runtime import cache_folder, find_compiler, thread_count
     from ..version import __version__

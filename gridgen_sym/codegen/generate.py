@@ -25,7 +25,7 @@ _KEPT = ("README.md",)
 
 
 def committed_variants(functional: Functional) -> tuple[Variant, ...]:
-    """Return the variants whose kernels stand in `generated/`; others are generated when first used.
+    """Return the variants whose kernels are in `generated/`; others are generated when first used.
 
     The weighted ones where the density itself names the weight, the regularized one where there is a barrier.
     """
@@ -71,7 +71,7 @@ def write_generated(folder: Path | None = None) -> list[Path]:
 
 
 def check_generated(folder: Path | None = None) -> str:
-    """Return a unified diff from what stands in `generated/` to what would be written; empty where they agree."""
+    """Return a unified diff from what is in `generated/` to what would be written; empty where they agree."""
     folder = folder or resource_folder("generated")
     wanted = {folder / source.path: source.text for source in all_sources()}
     parts: list[str] = []

@@ -19,7 +19,7 @@ LARGEST_PRODUCT = 8
 def lower(name: str, inputs: Sequence[Symbol], parameters: Sequence[Symbol], outputs: Mapping[str, Expr]) -> Program:
     """Lower named expressions to straight-line arithmetic.
 
-    Metric symbols (and chi) are computed first, where they are needed; subexpressions that stand twice are
+    Metric symbols (and chi) are computed first, where they are needed; subexpressions that occur twice are
     computed once; negative powers become one division; small powers become products.
     """
     # A prefix keeps a user's parameter from having the name of a temporary or of a result.

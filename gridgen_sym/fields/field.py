@@ -33,13 +33,13 @@ class Evaluator(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Field:
-    """A scalar field: a function of place, or numbers that belong to the nodes or cells of one grid.
+    """A scalar field: a function of position, or numbers that belong to the nodes or cells of one grid.
 
     Attributes:
         name: what messages call it, such as `the weight`.
         source: what it was made of.
-        evaluator: of a function of place; None for numbers of one grid.
-        numbers: those of one grid, (ni, nj) or (ni-1, nj-1); None for a function of place.
+        evaluator: of a function of position; None for numbers of one grid.
+        numbers: those of one grid, (ni, nj) or (ni-1, nj-1); None for a function of position.
     """
 
     name: str

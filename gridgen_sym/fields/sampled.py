@@ -126,7 +126,7 @@ def raster_field(x: npt.ArrayLike, y: npt.ArrayLike, values: npt.ArrayLike, *, s
     Args:
         x: (nx,), strictly increasing or strictly decreasing.
         y: (ny,), the same.
-        values: (nx, ny): the first axis is x. Images are often stored the other way round: pass their transpose.
+        values: (nx, ny): the first axis is x. Images are often stored vice versa: pass their transpose.
         smooth: whether first and second derivatives must be continuous.
 
     Raises:
@@ -153,7 +153,7 @@ def raster_field(x: npt.ArrayLike, y: npt.ArrayLike, values: npt.ArrayLike, *, s
 
 
 def nodal(cells: Array) -> Array:
-    """Return values per cell, (ni-1, nj-1), as values per node, (ni, nj): the mean over the cells round each node."""
+    """Return values per cell, (ni-1, nj-1), as values per node, (ni, nj): the mean over the cells around each node."""
     padded = np.pad(cells, 1, mode="edge")
     mean: Array = (padded[1:, 1:] + padded[:-1, 1:] + padded[1:, :-1] + padded[:-1, :-1]) / 4
     return mean

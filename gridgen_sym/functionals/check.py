@@ -1,4 +1,4 @@
-"""Refuse densities that cannot be derived or evaluated, with what is wrong and how to mend it."""
+"""Refuse densities that cannot be derived or evaluated, with what is wrong and how to repair it."""
 
 from __future__ import annotations
 

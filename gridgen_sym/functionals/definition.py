@@ -22,7 +22,7 @@ class Functional:
         name: the name it is known by; also the prefix of its kernels.
         density: the continuous density as a function of the metric `m` and of the parameters, or as text.
         corner_factor: the discrete corner energy is `corner_factor` times the density of the corner's
-            edge vectors (the paper's factor ½ stands in its integrals and not in its sums).
+            edge vectors (the paper's factor ½ is in its integrals and not in its sums).
         parameters: names and default values of the numbers that a user may set at every solve.
         constraints: comparisons that the parameters must meet, such as `"k >= 0"`.
         description: one sentence for lists.

@@ -61,7 +61,7 @@ def evaluate(
 
     Args:
         text: for example `"(g11 + g22)/J"`; operators + - * / **, parentheses, calls of `functions`.
-        names: the value of every name that may stand in the text.
+        names: the value of every name that may be in the text.
         functions: the functions that may be called; those of `FUNCTION_NAMES` take one argument.
         number: makes a value from the text of a number.
 
@@ -96,7 +96,7 @@ def comparisons(
 
     Args:
         condition: values compared by >=, >, <=, < or ==.
-        names: the value of every name that may stand in the condition: floats, arrays or SymPy symbols.
+        names: the value of every name that may be in the condition: floats, arrays or SymPy symbols.
         number: makes a value from the text of a number.
 
     Raises:
@@ -133,7 +133,7 @@ def _parsed(text: str, kind: str, hint: str) -> ast.expr:
 
 @dataclass(frozen=True, slots=True)
 class _Reader:
-    """What a text, without spaces round it, is read with."""
+    """What a text, without spaces around it, is read with."""
 
     text: str
     names: Mapping[str, Any]

@@ -39,7 +39,7 @@ class PrintedEquation:
 
     Attributes:
         key: short unique name.
-        place: where it stands in the paper.
+        place: where it is in the paper.
         latex: as printed, shortened where it is long.
         kind: what it is, and so how it is compared:
             `arguments` (what a density may depend on), `general` (an Euler–Lagrange equation of any functional),

@@ -36,7 +36,7 @@ def functional(name: str | Functional) -> Functional:
 
 
 def is_builtin(name: str) -> bool:
-    """Return whether the functional comes with the package, so that its kernels stand in `generated/`."""
+    """Return whether the functional comes with the package, so that its kernels are in `generated/`."""
     return name in _builtin
 
 

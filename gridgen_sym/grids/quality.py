@@ -89,7 +89,7 @@ class Quality:
         verb = "is" if self.folded_cells == 1 else "are"
         lines = [f"not valid: {self.folded_cells} of {self.cells} cells {verb} folded (J <= 0 at a corner)"]
         for (i, j), (x, y) in zip(self.folded[:limit], self.folded_centers[:limit], strict=True):
-            lines.append(f"  cell ({i}, {j}) round ({x:.6g}, {y:.6g})")
+            lines.append(f"  cell ({i}, {j}) at ({x:.6g}, {y:.6g})")
         rest = self.folded_cells - max(limit, 0)
         if 0 < rest < self.folded_cells:
             lines.append(f"  and {rest} more")

@@ -113,7 +113,7 @@ class _Numbers:
 
     Attributes:
         values: one for each word.
-        repeats: how often each stands in the file; None for once each.
+        repeats: how often each is in the file; None for once each.
     """
 
     values: Array

@@ -44,7 +44,7 @@ class Case:
 
     @property
     def evenness(self) -> float:
-        """The smallest J over the mean one: 1 where all cells are alike, negative where one is turned over."""
+        """The smallest J over the mean one: 1 where all cells are alike, negative where one is inverted."""
         return self.quality.min_jacobian / self.quality.mean_jacobian
 
 

@@ -14,7 +14,7 @@ Row = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A picture: its file, its panels (titles and grids) and how many of them stand in a row."""
+    """A picture: its file, its panels (titles and grids) and how many of them are in a row."""
 
     file: str
     panels: tuple[tuple[str, Grid], ...]

@@ -41,7 +41,8 @@ def plot_certificates(
 
     Args:
         grid: the grid whose boundary is certified.
-        path: where to write the picture (``.png``, ``.pdf`` or ``.svg``), whole or not at all; None to write nothing.
+        path: where to write the picture (``.png``, ``.pdf`` or ``.svg``), completely or not at all;
+            None to write nothing.
         found: the certificates; None for `certificates(grid, search=True)`.
 
     Returns:

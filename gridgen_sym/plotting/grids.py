@@ -109,7 +109,7 @@ def draw_grid(ax: Axes, grid: Grid, title: str | None, ink: float = 1.0) -> None
     from matplotlib.collections import LineCollection
 
     step = max(1, -(-max(grid.shape) // MOST_LINES))
-    # With fewer lines each can be thicker; in the thinnest the cells can still be told apart.
+    # With fewer lines each can be thicker; in the thinnest the cells can still be distinguished.
     width = ink * float(np.clip(30.0 / max(grid.shape), 0.25, 0.8))
     ax.add_collection(LineCollection(_lines(grid, step), colors=_INK, linewidths=width, zorder=2))
     xy = grid.xy

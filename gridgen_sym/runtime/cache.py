@@ -73,7 +73,7 @@ def _make_private(folder: Path) -> None:
 
 def _distrust(status: os.stat_result) -> str:
     """Return why another user (not root) can change a file or folder; empty if nobody can."""
-    if not hasattr(os, "geteuid"):  # Windows, where a user's folder is closed to others by inheritance.
+    if not hasattr(os, "geteuid"):  # Windows, where a user's folder is private by inheritance.
         return ""
     if status.st_uid not in (0, os.geteuid()):
         return f"belongs to another user (number {status.st_uid})"

@@ -8,7 +8,7 @@ from .run.status import Outcome, Status
 
 #: A factor for the gradient to fall by that no rounding is in the way of.
 _MODEST = 0.1
-#: A smallest Jacobian below this part of the mean is all but folded. If the energy then falls by the factor, the start
+#: A smallest Jacobian below this part of the mean is nearly folded. If the energy then falls by the factor, the start
 #: was no measure of anything.
 _ALL_BUT_FOLDED, _STEEP = 1e-3, 0.1
 
@@ -65,7 +65,7 @@ def converged(what: str, norm: float, first: float, iteration: int, remark: str 
 
 
 def _is_steep(point: Point) -> bool:
-    """Return whether a grid is all but folded, before a barrier."""
+    """Return whether a grid is nearly folded, before a barrier."""
     return point.problem.kernels.barrier and point.smallest < _ALL_BUT_FOLDED * mean_jacobian(point.coordinates)
 
 

@@ -51,7 +51,7 @@ def test_a_sympy_expression_is_a_function():
     ("grid", "function", "values", "match"),
     [
         (SQUARE.xy, "x", None, "expected a Grid, came ndarray"),
-        (folded_square(9), "x", None, "on a folded grid nodal values are no function of place"),
+        (folded_square(9), "x", None, "on a folded grid nodal values are no function of position"),
         (SQUARE, "x", np.ones(3), r"shape \(11, 11\); came \(3,\)"),
         (SQUARE, lambda x, y: x[0], None, r"function must have one value per node, shape \(11, 11\)"),
         (

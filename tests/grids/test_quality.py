@@ -98,7 +98,7 @@ def test_the_report_says_how_many_and_where():
     text = report.describe_folds(limit=2)
     assert "57 of 1600 cells are folded" in text
     assert text.count("cell (") == 2
-    assert "cell (5, 39) round (0.140852, 0.636629)" in text
+    assert "cell (5, 39) at (0.140852, 0.636629)" in text
     assert text.endswith("and 55 more")
     assert report.describe_folds(limit=100).count("cell (") == 57
     assert report.describe_folds(limit=0).count("\n") == 0

@@ -215,7 +215,7 @@ def test_the_frozen_jacobian_has_the_coefficients_of_the_second_derivatives_alon
     i, j = np.meshgrid(np.arange(5.0), np.arange(6.0), indexing="ij")
     for linear in (np.stack([i, j]), np.stack([np.ones_like(i), 2 * i - j])):
         assert np.abs(dense_jacobian(frozen) @ linear.ravel()).max() < 1e-11 * np.abs(frozen).max()
-    # The same second differences stand in the full one: what a node and its opposite share is symmetric.
+    # The same second differences are in the full one: what a node and its opposite share is symmetric.
     blocks, whole = (planes.reshape(3, 3, 4, 5, 6)[..., 1:-1, 1:-1] for planes in (frozen, full))
     for p, q in ((0, 0), (0, 1), (0, 2), (1, 0)):
         opposite = 2 - p, 2 - q

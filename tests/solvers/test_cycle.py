@@ -47,7 +47,7 @@ def test_systems_with_fixed_nodes_inside_are_solved(shape):
 
 @pytest.mark.parametrize("shape", [(33, 34), (34, 34), (40, 13)], ids=str)
 def test_a_cycle_is_symmetric(shape, monkeypatch):
-    """One step of conjugate gradients gives c M r: M is symmetric if three right-hand sides commute round the ring.
+    """One step of conjugate gradients gives c M r: M is symmetric if three right-hand sides commute around the ring.
 
     With a_jk = r_j . c_k M r_k, the factors c cancel in a_01 a_12 a_20 = a_10 a_21 a_02.
     """

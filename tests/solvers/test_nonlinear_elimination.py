@@ -183,7 +183,7 @@ def test_a_single_fold_is_unfolded_where_it_is(name):
 
 
 def test_a_deep_fold_is_unfolded_in_a_window():
-    """Sweeps alone do not turn a knot of many nodes: a window round it does."""
+    """Sweeps alone do not turn a knot of many nodes: a window around it does."""
     place = solved("winslow")
     knot = place[:, 20:27, 20:27].copy()
     place[:, 20:27, 20:27] = knot[:, ::-1, ::-1]

@@ -162,7 +162,7 @@ def test_the_hessian_leaves_fixed_nodes_out():
 # ---- the two sets of corners ----
 
 
-# Equal areas round the inner nodes alone pull nodes over the boundary, which keep_valid prevents.
+# Equal areas around the inner nodes alone pull nodes over the boundary, which keep_valid prevents.
 @pytest.mark.parametrize("name", [name for name in FUNCTIONALS if name != "area"])
 def test_the_papers_set_of_corners_can_be_minimised(name):
     start = mild_grid()

@@ -32,7 +32,7 @@ class LinearSolver(Protocol):
     def set_operator(self, planes: Array) -> bool:
         """Take a stencil (contiguous planes), whose memory is the solver's until the next; return whether it can solve.
 
-        The solutions, too, may stand in that memory.
+        The solutions, too, may be in that memory.
         """
         ...
 

@@ -97,7 +97,7 @@ def _rows(equation: Quasilinear) -> list[str]:
     rows = [_term(coefficient, second) for coefficient, second in equation.terms] or ["0"]
     rows[0] = rows[0].removeprefix("+ ")
     if equation.factor != 1:
-        # Brackets of a fixed size: those of \left and \right cannot stand in different rows.
+        # Brackets of a fixed size: those of \left and \right cannot be in different rows.
         rows[0] = rf"{latex(equation.factor)} \Bigl( {rows[0]}"
         rows[-1] += r" \Bigr)"
     return rows + ([_term(equation.rest)] if equation.rest != 0 else [])
