@@ -34,11 +34,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
         GridgenError: if the folder is missing or closed to us, the disk full, the file read-only, or `path` a folder
             or another thing that is no file.
     """
-    target = Path(os.path.realpath(path))
-    if os.path.isdir(target):  # Unlike Path.is_dir, never an error, not even for a name too long.
-        raise GridgenError(f"cannot write {shown(path)}: it is a folder; name a file in it")
-    if not os.path.isdir(target.parent):
-        raise GridgenError(f"cannot write {shown(path)}: the folder {target.parent} does not exist; make it first")
+    target = check_target(path)
     try:
         _check_link(Path(path))
         old = target.lstat() if os.path.lexists(target) else None  # A link that is left goes round in circles.
@@ -51,6 +47,29 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
             f"cannot write {shown(path)}: {error.strerror or error}; check the permissions and the free space of "
             "its folder, or write elsewhere"
         ) from error
+
+
+def check_target(path: str | os.PathLike[str]) -> Path:
+    """Return the file that a path leads to, once it is known that one can be written there, as far as can be seen.
+
+    Raises:
+        GridgenError: if it is a folder or read-only, or its folder is missing or closed to us.
+    """
+    target = Path(os.path.realpath(path))
+    if os.path.isdir(target):  # Unlike Path.is_dir, never an error, not even for a name too long.
+        raise GridgenError(f"cannot write {shown(path)}: it is a folder; name a file in it")
+    if not os.path.isdir(target.parent):
+        raise GridgenError(f"cannot write {shown(path)}: the folder {target.parent} does not exist; make it first")
+    exists = os.path.lexists(target)
+    # A file is replaced by a new one in its folder; a device or a pipe is written to.
+    places = [(target, "the file")] * exists + [(target.parent, "its folder")] * (not exists or target.is_file())
+    for place, what in places:
+        if not os.access(place, os.W_OK):
+            denied = os.strerror(errno.EACCES)
+            raise GridgenError(
+                f"cannot write {shown(path)}: {denied}; check the permissions of {what}, or write elsewhere"
+            )
+    return target
 
 
 def _check_link(path: Path) -> None:
@@ -68,8 +87,6 @@ def _check_link(path: Path) -> None:
 
 def _replace(target: Path, data: bytes, mode: int | None, old: os.stat_result | None) -> None:
     """Write a new file beside `target` and rename it over that; `old` is what is known of the present one."""
-    if old is not None and not os.access(target, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     temporary = target.parent / f".gridgen-{os.getpid()}-{secrets.token_hex(6)}.tmp"
     try:
         # Not tempfile: its files are closed to everyone else, whatever the user's umask says.

@@ -16,10 +16,10 @@ _PROGRAM = "gridgen-sym"
 
 def _is_program() -> bool:
     """Return whether this process is the command line: by its name, or as `python -m gridgen_sym`."""
-    words = sys.orig_argv
-    if "-m" in words:
-        return words[words.index("-m") + 1 :][:1] == [__package__]
-    return bool(sys.argv) and os.path.basename(sys.argv[0]).partition(".")[0] == _PROGRAM
+    program = sys.argv[0] if getattr(sys, "argv", None) else ""
+    if program == "-m":  # As long as the package is being loaded, before its __main__.
+        return sys.orig_argv[sys.orig_argv.index("-m") + 1 :][:1] == [__package__]
+    return os.path.basename(program).partition(".")[0] == _PROGRAM
 
 
 def _leave(number: int, frame: FrameType | None) -> None:

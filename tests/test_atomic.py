@@ -11,7 +11,7 @@ import threading
 import pytest
 
 from gridgen_sym import atomic
-from gridgen_sym.atomic import read_bytes, write_bytes
+from gridgen_sym.atomic import check_target, read_bytes, write_bytes
 from gridgen_sym.errors import GridgenError
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs POSIX files")
@@ -95,6 +95,20 @@ def test_a_read_only_file_is_not_replaced(tmp_path, monkeypatch):
     with pytest.raises(GridgenError, match=r"cannot write .*: Permission denied; check the permissions"):
         write_bytes(path, b"new")
     assert path.read_bytes() == b"old"
+
+
+def test_a_folder_closed_to_us_is_noticed_before_anything_is_written(tmp_path, monkeypatch):
+    check_target(tmp_path / "new")
+    monkeypatch.setattr(os, "access", lambda path, mode: path != tmp_path)
+    with pytest.raises(
+        GridgenError, match="Permission denied; check the permissions of its folder, or write elsewhere"
+    ):
+        check_target(tmp_path / "new")
+    (tmp_path / "old").write_bytes(b"old")
+    with pytest.raises(GridgenError, match="check the permissions of its folder"):
+        check_target(tmp_path / "old")
+    check_target("/dev/null")
+    assert os.listdir(tmp_path) == ["old"]
 
 
 def test_a_link_that_another_user_laid_in_a_folder_for_everyone_is_not_followed(tmp_path, monkeypatch):

@@ -165,6 +165,7 @@ BAD = {
     "an unknown suffix": (["swan", "-f", "winslow", "-o", "a.stl"], "its suffix must be one of"),
     "no suffix": (["swan", "-f", "winslow", "-o", "a"], "its suffix must be one of"),
     "a missing folder": (["swan", "-f", "winslow", "-o", "no/a.vts"], "does not exist"),
+    "a folder as a picture": (["swan", "-f", "winslow", "--plot", "/"], "it is a folder"),
     "too few cells": (["swan", "-f", "winslow", "--size", "1", "9"], "at least 2 2; came 1 9"),
     "a parameter of the domain": (["swan:R=4", "-f", "winslow"], "has no parameter 'R'"),
     "no number": (["horseshoe_map:R=big", "-f", "winslow"], "written NAME=NUMBER"),

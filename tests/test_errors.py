@@ -18,6 +18,7 @@ CALLS = {
     "method": lambda: gg.optimize(SQUARE, "winslow", LONG),
     "parameter": lambda: gg.optimize(SQUARE, "winslow", parameters={LONG: 1}),
     "value of a parameter": lambda: gg.optimize(SQUARE, "area_winslow", parameters={"k": LONG}),
+    "underscored value": lambda: gg.optimize(SQUARE, "area_winslow", parameters={"k": "1_0"}),
     "parameters": lambda: gg.optimize(SQUARE, "winslow", parameters=LONG),
     "backend": lambda: gg.optimize(SQUARE, "winslow", backend=LONG),
     "tolerance": lambda: gg.optimize(SQUARE, "winslow", tolerance=LONG),

@@ -124,13 +124,13 @@ def check_outputs(output: str | None, plot: str | None) -> None:
     """Refuse files that cannot be written before any work is done."""
     from importlib.util import find_spec
 
+    from ..atomic import check_target
     from ..io import known_suffixes
 
     if output and Path(output).suffix.lower() not in known_suffixes():
         raise GridgenError(f"cannot write {output}: its suffix must be one of {', '.join(known_suffixes())}")
     for path in filter(None, (output, plot)):
-        if not Path(path).absolute().parent.is_dir():
-            raise GridgenError(f"cannot write {path}: the folder {Path(path).absolute().parent} does not exist")
+        check_target(path)
     if plot and Path(plot).suffix.lower() not in _PICTURES:
         raise GridgenError(f"cannot write {plot}: a picture's suffix must be one of {', '.join(_PICTURES)}")
     if plot and find_spec("matplotlib") is None:

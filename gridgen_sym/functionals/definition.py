@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..errors import GridgenError, quoted
+from ..parsing import number_in
 from . import expression
 from .metric import DENSITY_NAMES, symbol, symbolic_metric, sympy_functions
 
@@ -98,7 +99,7 @@ class Functional:
                 known = ", ".join(merged) or "none: it has no parameters"
                 raise GridgenError(f"functional {self.name!r} has no parameter {quoted(name)}; it has {known}")
             try:
-                merged[name] = float(value)
+                merged[name] = _real(value)
             except (TypeError, ValueError, OverflowError):
                 raise GridgenError(
                     f"parameter {name!r} of functional {self.name!r} is {quoted(value)}: give a finite number"
@@ -110,3 +111,8 @@ class Functional:
                 came = ", ".join(f"{name} = {value:g}" for name, value in merged.items())
                 raise GridgenError(f"functional {self.name!r} needs {constraint}; came {came}")
         return merged
+
+
+def _real(value: Any) -> float:  # noqa: ANN401 - whatever a user gave
+    """Return a value as a number; a text is read as those of files are, which `float` does not do."""
+    return number_in(value) if isinstance(value, str) else float(value)

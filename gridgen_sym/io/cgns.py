@@ -87,7 +87,9 @@ def _library(purpose: str) -> Any:  # noqa: ANN401 - a module
 
 def _children(group: Any, label: str) -> list[Any]:  # noqa: ANN401 - h5py's groups
     """Return the nodes with a label directly below one."""
-    nodes = [group[key] for key in group if group.get(key, getclass=True).__name__ == "Group"]
+    # A link into another file may lead anywhere.
+    inside = [key for key in group if type(group.get(key, getlink=True)).__name__ != "ExternalLink"]
+    nodes = [group[key] for key in inside if group.get(key, getclass=True).__name__ == "Group"]
     return [node for node in nodes if bytes(node.attrs.get("label", b"")).rstrip(b"\0 ") == label.encode()]
 
 

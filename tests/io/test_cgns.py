@@ -141,6 +141,18 @@ def test_a_file_with_a_fault(change, message):
         cgns.decode(changed(change))
 
 
+def test_a_link_into_another_file_is_not_followed(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    GRID.write(tmp_path / "other.cgns")
+
+    def change(root):
+        del root["Base/Zone"]
+        root["Base/Zone"] = h5py.ExternalLink(str(tmp_path / "other.cgns"), "/Base/Zone")
+
+    with pytest.raises(GridgenError, match="0 nodes of the type Zone_t"):
+        cgns.decode(changed(change))
+
+
 @settings(max_examples=100)
 @given(place=st.floats(0, 1, exclude_max=True), cut=st.booleans(), byte=st.integers(0, 255))
 def test_a_damaged_file_is_a_grid_or_an_error(place, cut, byte):
