@@ -243,10 +243,11 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 #define KERNEL(function) area_winslow_regularized_##function
 #define POLYCONVEX 1
 #define EULER_LAGRANGE 0
-/* Whether the weight moves with the nodes, or its slopes along xi and eta enter the equations. */
+/* Whether values move with the nodes. */
 #define MOVING 0
-#define SLOPES_OF_WEIGHT 0
-/* Planes of the weight array, and how they are passed on: VALUE(plane, at) for each. */
-#define WEIGHT_PLANES 0
-#define WEIGHT(VALUE, at)
+/* How the values are passed on: VALUE(plane, name, at) for each. */
+#define VALUES(VALUE, at)
+/* The slopes along xi and eta of those that enter the equations with these: SLOPE(plane, at) for each. */
+#define SLOPES(SLOPE, at)
+
 #include "loops.h"

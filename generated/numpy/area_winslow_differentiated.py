@@ -11,6 +11,19 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
+moved_values = namedtuple("moved_values", "moved_s moved_s_x moved_s_y moved_s_xx moved_s_xy moved_s_yy")
+
+
+def moved(v_x, v_y, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+    moved_s = s + s_x*v_x + (1.0/2.0)*s_xx*(v_x*v_x) + s_xy*v_x*v_y + s_y*v_y + (1.0/2.0)*s_yy*(v_y*v_y)
+    moved_s_x = s_x
+    moved_s_y = s_y
+    moved_s_xx = s_xx
+    moved_s_xy = s_xy
+    moved_s_yy = s_yy
+    return moved_values(moved_s, moved_s_x, moved_s_y, moved_s_xx, moved_s_xy, moved_s_yy)
+
+
 corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
 
 

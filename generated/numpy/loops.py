@@ -7,11 +7,6 @@ The first argument `f` of each kernel has the functions of a functional's file, 
 
 import numpy as np
 
-def moving(f):
-    """Return whether the weight moves with the nodes."""
-    return f.facts.variant == "differentiated"
-
-
 def corners_of_cells(block, rows):
     """Return four masks (rows of cells, columns of cells): which corners of the cells count."""
     i, j = np.arange(*rows)[:, None], np.arange(block.nj - 1)[None, :]
@@ -39,19 +34,19 @@ def edges_of_cells(coordinates, rows):
     return p1 - p0, p3 - p2, p2 - p0, p3 - p1
 
 
-def weights_of_cells(f, weight, rows):
-    """Return the planes of the weight at the four nodes of the cells of some rows; none where there is no weight."""
-    return nodes_of_cells(weight, rows) if f.facts.weight_planes else ((),) * 4
+def values_of_cells(values, rows):
+    """Return the values at the four corners of the cells of some rows: for each corner one array per plane."""
+    return [[plane[m][slice(*rows)] for plane in values.corners] for m in range(4)]
 
 
 # ---- energy: per row of cells, its sum over corners and its smallest Jacobian ----
 
 
-def energy(f, block, coordinates, weight, parameters, row_energy, row_min_jacobian):
+def energy(f, block, coordinates, values, parameters, row_energy, row_min_jacobian):
     rows = block.row_begin, min(block.row_end, block.ni - 1)
     with np.errstate(all="ignore"):
         a0, a1, b0, b1 = edges_of_cells(coordinates, rows)
-        w, counted = weights_of_cells(f, weight, rows), corners_of_cells(block, rows)
+        w, counted = values_of_cells(values, rows), corners_of_cells(block, rows)
         total, smallest = 0.0, np.inf
         corner = f.corner_energy(*a0, *b0, *w[0], parameters)
         total = total + np.where(counted[0], corner.energy, 0.0)
@@ -72,39 +67,39 @@ def energy(f, block, coordinates, weight, parameters, row_energy, row_min_jacobi
 # ---- energy and gradient: each row of cells adds to the rows of nodes on its two sides ----
 
 
-def energy_gradient(f, block, coordinates, weight, parameters, row_energy, row_min_jacobian, gradient):
+def energy_gradient(f, block, coordinates, values, parameters, row_energy, row_min_jacobian, gradient):
     rows = max(block.row_begin - 1, 0), min(block.row_end, block.ni - 1)
     with np.errstate(all="ignore"):
         a0, a1, b0, b1 = edges_of_cells(coordinates, rows)
-        w, counted = weights_of_cells(f, weight, rows), corners_of_cells(block, rows)
+        w, counted = values_of_cells(values, rows), corners_of_cells(block, rows)
         energy, smallest, total = 0.0, np.inf, np.zeros((2, block.ni, block.nj))
         nodes = nodes_of_cells(total, rows)
         corner = f.corner_slopes(*a0, *b0, *w[0], parameters)
         smallest = np.minimum(smallest, corner.jacobian)
         c0 = counted_values(counted[0], corner)
         energy = energy + c0.energy
-        if moving(f):
+        if f.facts.moving:
             nodes[0][0] += c0.p0
             nodes[0][1] += c0.p1
         corner = f.corner_slopes(*a0, *b1, *w[1], parameters)
         smallest = np.minimum(smallest, corner.jacobian)
         c1 = counted_values(counted[1], corner)
         energy = energy + c1.energy
-        if moving(f):
+        if f.facts.moving:
             nodes[1][0] += c1.p0
             nodes[1][1] += c1.p1
         corner = f.corner_slopes(*a1, *b0, *w[2], parameters)
         smallest = np.minimum(smallest, corner.jacobian)
         c2 = counted_values(counted[2], corner)
         energy = energy + c2.energy
-        if moving(f):
+        if f.facts.moving:
             nodes[2][0] += c2.p0
             nodes[2][1] += c2.p1
         corner = f.corner_slopes(*a1, *b1, *w[3], parameters)
         smallest = np.minimum(smallest, corner.jacobian)
         c3 = counted_values(counted[3], corner)
         energy = energy + c3.energy
-        if moving(f):
+        if f.facts.moving:
             nodes[3][0] += c3.p0
             nodes[3][1] += c3.p1
         for c, d in enumerate(f.slope_along_xi(c0, c1, a0, b0, b1)):
@@ -238,7 +233,7 @@ def add_blocks(m, corner, number):
 
 
 def add_moving_blocks(m, corner, number):
-    """Add to them what the corner's Hessian has through the weight, where that moves with the nodes."""
+    """Add to them what the corner's Hessian has through values that move with the nodes."""
     if number == 0:
         m[0][0] += - corner.c00 - corner.c20 - corner.c00 - corner.c20 + corner.q00
         m[0][1] += - corner.c01 - corner.c21 - corner.c10 - corner.c30 + corner.q01
@@ -289,41 +284,41 @@ def add_moving_blocks(m, corner, number):
         m[1][10] += - corner.c31
 
 
-def hessian(f, block, coordinates, weight, parameters, hessian):
+def hessian(f, block, coordinates, values, parameters, hessian):
     rows = max(block.row_begin - 1, 0), min(block.row_end, block.ni - 1)
     with np.errstate(all="ignore"):
         a0, a1, b0, b1 = edges_of_cells(coordinates, rows)
-        w, counted = weights_of_cells(f, weight, rows), corners_of_cells(block, rows)
+        w, counted = values_of_cells(values, rows), corners_of_cells(block, rows)
         total = np.zeros((19, block.ni, block.nj))
         nodes = nodes_of_cells(total, rows)
         corner = f.corner_hessian(*a0, *b0, *w[0], parameters)
         corner = counted_values(counted[0], corner)
         add_blocks(nodes, corner, 0)
-        if moving(f):
+        if f.facts.moving:
             add_moving_blocks(nodes, corner, 0)
         corner = f.corner_hessian(*a0, *b1, *w[1], parameters)
         corner = counted_values(counted[1], corner)
         add_blocks(nodes, corner, 1)
-        if moving(f):
+        if f.facts.moving:
             add_moving_blocks(nodes, corner, 1)
         corner = f.corner_hessian(*a1, *b0, *w[2], parameters)
         corner = counted_values(counted[2], corner)
         add_blocks(nodes, corner, 2)
-        if moving(f):
+        if f.facts.moving:
             add_moving_blocks(nodes, corner, 2)
         corner = f.corner_hessian(*a1, *b1, *w[3], parameters)
         corner = counted_values(counted[3], corner)
         add_blocks(nodes, corner, 3)
-        if moving(f):
+        if f.facts.moving:
             add_moving_blocks(nodes, corner, 3)
     hessian[:, block.row_begin : block.row_end] = total[:, block.row_begin : block.row_end]
 
 
-def semidefinite_hessian(f, block, coordinates, weight, parameters, hessian):
+def semidefinite_hessian(f, block, coordinates, values, parameters, hessian):
     rows = max(block.row_begin - 1, 0), min(block.row_end, block.ni - 1)
     with np.errstate(all="ignore"):
         a0, a1, b0, b1 = edges_of_cells(coordinates, rows)
-        w, counted = weights_of_cells(f, weight, rows), corners_of_cells(block, rows)
+        w, counted = values_of_cells(values, rows), corners_of_cells(block, rows)
         total = np.zeros((19, block.ni, block.nj))
         nodes = nodes_of_cells(total, rows)
         corner = f.corner_semidefinite(*a0, *b0, *w[0], parameters)
@@ -348,13 +343,13 @@ def semidefinite_hessian(f, block, coordinates, weight, parameters, hessian):
 # ---- Hessian times a vector, without the Hessian: the derivative of the gradient along a direction ----
 
 
-def hessian_vector(f, block, coordinates, weight, parameters, vector, product):
+def hessian_vector(f, block, coordinates, values, parameters, vector, product):
     rows = max(block.row_begin - 1, 0), min(block.row_end, block.ni - 1)
     with np.errstate(all="ignore"):
         a0, a1, b0, b1 = edges_of_cells(coordinates, rows)
         va0, va1, vb0, vb1 = edges_of_cells(vector, rows)
-        v = nodes_of_cells(vector, rows) if moving(f) else ((),) * 4
-        w, counted = weights_of_cells(f, weight, rows), corners_of_cells(block, rows)
+        v = nodes_of_cells(vector, rows) if f.facts.moving else ((),) * 4
+        w, counted = values_of_cells(values, rows), corners_of_cells(block, rows)
         total = np.zeros((2, block.ni, block.nj))
         nodes = nodes_of_cells(total, rows)
         corner = counted_values(counted[0], f.corner_hessian_vector(*a0, *b0, *va0, *vb0, *v[0], *w[0], parameters))
@@ -366,7 +361,7 @@ def hessian_vector(f, block, coordinates, weight, parameters, vector, product):
         nodes[2][0] += corner.d2
         nodes[0][1] -= corner.d3
         nodes[2][1] += corner.d3
-        if moving(f):
+        if f.facts.moving:
             nodes[0][0] += corner.p0
             nodes[0][1] += corner.p1
         corner = counted_values(counted[1], f.corner_hessian_vector(*a0, *b1, *va0, *vb1, *v[1], *w[1], parameters))
@@ -378,7 +373,7 @@ def hessian_vector(f, block, coordinates, weight, parameters, vector, product):
         nodes[3][0] += corner.d2
         nodes[1][1] -= corner.d3
         nodes[3][1] += corner.d3
-        if moving(f):
+        if f.facts.moving:
             nodes[1][0] += corner.p0
             nodes[1][1] += corner.p1
         corner = counted_values(counted[2], f.corner_hessian_vector(*a1, *b0, *va1, *vb0, *v[2], *w[2], parameters))
@@ -390,7 +385,7 @@ def hessian_vector(f, block, coordinates, weight, parameters, vector, product):
         nodes[2][0] += corner.d2
         nodes[0][1] -= corner.d3
         nodes[2][1] += corner.d3
-        if moving(f):
+        if f.facts.moving:
             nodes[2][0] += corner.p0
             nodes[2][1] += corner.p1
         corner = counted_values(counted[3], f.corner_hessian_vector(*a1, *b1, *va1, *vb1, *v[3], *w[3], parameters))
@@ -402,19 +397,19 @@ def hessian_vector(f, block, coordinates, weight, parameters, vector, product):
         nodes[3][0] += corner.d2
         nodes[1][1] -= corner.d3
         nodes[3][1] += corner.d3
-        if moving(f):
+        if f.facts.moving:
             nodes[3][0] += corner.p0
             nodes[3][1] += corner.p1
     product[:, block.row_begin : block.row_end] = total[:, block.row_begin : block.row_end]
 
 
-def semidefinite_hessian_vector(f, block, coordinates, weight, parameters, vector, product):
+def semidefinite_hessian_vector(f, block, coordinates, values, parameters, vector, product):
     rows = max(block.row_begin - 1, 0), min(block.row_end, block.ni - 1)
     with np.errstate(all="ignore"):
         a0, a1, b0, b1 = edges_of_cells(coordinates, rows)
         va0, va1, vb0, vb1 = edges_of_cells(vector, rows)
-        v = nodes_of_cells(vector, rows) if moving(f) else ((),) * 4
-        w, counted = weights_of_cells(f, weight, rows), corners_of_cells(block, rows)
+        v = nodes_of_cells(vector, rows) if f.facts.moving else ((),) * 4
+        w, counted = values_of_cells(values, rows), corners_of_cells(block, rows)
         total = np.zeros((2, block.ni, block.nj))
         nodes = nodes_of_cells(total, rows)
         corner = counted_values(counted[0], f.corner_semidefinite_vector(*a0, *b0, *va0, *vb0, *v[0], *w[0], parameters))
@@ -463,9 +458,10 @@ def semidefinite_hessian_vector(f, block, coordinates, weight, parameters, vecto
 
 
 def cells_of_nodes(block, coordinates, i, j, position):
-    """Yield for each of the four cells of nodes (i, j), placed at `position`: its edge vectors, neighbors and corners.
+    """Yield for each of the four cells of nodes (i, j), placed at `position`: its signs, its indices, the corner at the
+    node, its edge vectors, and whether its corners count.
 
-    Edge vectors a, b at the node; c, d opposite to them; `along_xi` and `along_eta` tell whether those corners count.
+    Edge vectors a, b at the node; c, d opposite to them; `along_xi` and `along_eta` say whether the corners there count.
     """
     for cell in range(4):
         sx, sy = (1 if cell & 1 else -1), (1 if cell & 2 else -1)
@@ -474,60 +470,53 @@ def cells_of_nodes(block, coordinates, i, j, position):
         a, b, c, d = sx * (at[0] - position), sy * (at[1] - position), sx * (at[2] - at[1]), sy * (at[2] - at[0])
         along_xi = (not block.interior_only) | ((xi[0] > 0) & (xi[0] < block.ni - 1))
         along_eta = (not block.interior_only) | ((eta[1] > 0) & (eta[1] < block.nj - 1))
-        yield sx, sy, xi, eta, a, b, c, d, along_xi, along_eta
+        yield sx, sy, (np.minimum(i, xi[0]), np.minimum(j, eta[1])), 3 - cell, a, b, c, d, along_xi, along_eta
 
 
-def weights_at(f, weight, node):
-    """Return the planes of the weight at nodes (i, j); none where there is no weight."""
-    return weight[(slice(None), *node)] if f.facts.weight_planes else ()
+def values_of_group(values, corner, cells):
+    """Return the values at one corner of cells (i, j): one array per plane."""
+    return [plane[corner][cells] for plane in values.corners]
 
 
-def moved_weights(f, weight, node, move):
-    """Return them after the nodes have moved: to second order about where the weight was evaluated."""
-    if not moving(f):
-        return weights_at(f, weight, node)
-    s, s_x, s_y, s_xx, s_xy, s_yy = weights_at(f, weight, node)
-    x, y = move
-    s = s + s_x * x + s_y * y + 0.5 * (s_xx * x * x + 2.0 * s_xy * x * y + s_yy * y * y)
-    return s, s_x, s_y, s_xx, s_xy, s_yy
-
-
-def local_energy(f, block, coordinates, weight, parameters, i, j, position):
+def local_energy(f, block, coordinates, values, parameters, i, j, position):
     """Energy with nodes (i, j) at `position`, and the Jacobians of the 12 corners that contain each (12, nodes)."""
-    own_weights = moved_weights(f, weight, (i, j), position - coordinates[:, i, j])
+    move = position - coordinates[:, i, j]
     energy, jacobians = 0.0, []
-    for _, _, xi, eta, a, b, c, d, along_xi, along_eta in cells_of_nodes(block, coordinates, i, j, position):
-        own = f.corner_energy(*a, *b, *own_weights, parameters)
-        next_xi = f.corner_energy(*a, *d, *weights_at(f, weight, xi), parameters)
-        next_eta = f.corner_energy(*c, *b, *weights_at(f, weight, eta), parameters)
+    for _, _, cells, at, a, b, c, d, along_xi, along_eta in cells_of_nodes(block, coordinates, i, j, position):
+        own_values = values_of_group(values, at, cells)
+        if f.facts.moving:  # To second order about where they were evaluated.
+            own_values = f.moved(*move, *own_values, parameters)
+        own = f.corner_energy(*a, *b, *own_values, parameters)
+        next_xi = f.corner_energy(*a, *d, *values_of_group(values, at ^ 1, cells), parameters)
+        next_eta = f.corner_energy(*c, *b, *values_of_group(values, at ^ 2, cells), parameters)
         energy = energy + own.energy + np.where(along_xi, next_xi.energy, 0.0) + np.where(along_eta, next_eta.energy, 0.0)
         jacobians += [own.jacobian, next_xi.jacobian, next_eta.jacobian]
     return energy, np.array(jacobians)
 
 
-def local_derivatives(f, block, coordinates, weight, parameters, i, j):
+def local_derivatives(f, block, coordinates, values, parameters, i, j):
     """Gradient (2, nodes) and Hessian (xx, xy, yy; nodes) of the local energy in the positions of nodes (i, j)."""
     g, h = np.zeros((2, i.size)), np.zeros((3, i.size))
-    cells = cells_of_nodes(block, coordinates, i, j, coordinates[:, i, j])
-    for sx, sy, xi, eta, a, b, c, d, along_xi, along_eta in cells:
-        own = f.corner_hessian(*a, *b, *weights_at(f, weight, (i, j)), parameters)
+    around_nodes = cells_of_nodes(block, coordinates, i, j, coordinates[:, i, j])
+    for sx, sy, cells, at, a, b, c, d, along_xi, along_eta in around_nodes:
+        own = f.corner_hessian(*a, *b, *values_of_group(values, at, cells), parameters)
         both = sx * sy
         g[0] -= sx * own.d0 + sy * own.d2
         g[1] -= sx * own.d1 + sy * own.d3
         h[0] += own.h00 + own.h22 + both * (own.h02 + own.h02)
         h[1] += own.h01 + own.h23 + both * (own.h03 + own.h12)
         h[2] += own.h11 + own.h33 + both * (own.h13 + own.h13)
-        if moving(f):
+        if f.facts.moving:
             g[0] += own.p0
             g[1] += own.p1
             h[0] += own.q00 - 2.0 * (sx * own.c00 + sy * own.c20)
             h[1] += own.q01 - (sx * (own.c01 + own.c10) + sy * (own.c21 + own.c30))
             h[2] += own.q11 - 2.0 * (sx * own.c11 + sy * own.c31)
-        corner = f.corner_hessian(*a, *d, *weights_at(f, weight, xi), parameters)
+        corner = f.corner_hessian(*a, *d, *values_of_group(values, at ^ 1, cells), parameters)
         g[0] -= np.where(along_xi, sx * corner.d0, 0.0)
         g[1] -= np.where(along_xi, sx * corner.d1, 0.0)
         h += np.where(along_xi, np.array(np.broadcast_arrays(corner.h00, corner.h01, corner.h11, i)[:3]), 0.0)
-        corner = f.corner_hessian(*c, *b, *weights_at(f, weight, eta), parameters)
+        corner = f.corner_hessian(*c, *b, *values_of_group(values, at ^ 2, cells), parameters)
         g[0] -= np.where(along_eta, sy * corner.d2, 0.0)
         g[1] -= np.where(along_eta, sy * corner.d3, 0.0)
         h += np.where(along_eta, np.array(np.broadcast_arrays(corner.h22, corner.h23, corner.h33, i)[:3]), 0.0)
@@ -558,7 +547,7 @@ def folds(before, after, floor):
     return ((before > floor) & ~((after > floor) & (after > 0.1 * before))).any(axis=0)
 
 
-def sweep(f, block, coordinates, weight, parameters, fixed, color, floor, reach, row_step):
+def sweep(f, block, coordinates, values, parameters, fixed, color, floor, reach, row_step):
     """Nodes of one color (i % 2 + 2 (j % 2)) share no corner, so they may move at once. A floor below zero lets cells fold.
 
     A step longer than `reach` is not taken; row_step keeps the largest component of a step of each row.
@@ -568,17 +557,17 @@ def sweep(f, block, coordinates, weight, parameters, fixed, color, floor, reach,
     chosen = inside & (i % 2 == color % 2) & (j % 2 == color // 2)
     i, j = i[chosen], j[chosen]
     with np.errstate(all="ignore"):
-        g, h = local_derivatives(f, block, coordinates, weight, parameters, i, j)
+        g, h = local_derivatives(f, block, coordinates, values, parameters, i, j)
         d, usable = descent_direction(g, h)
         start = coordinates[:, i, j]
-        energy, before = local_energy(f, block, coordinates, weight, parameters, i, j, start)
+        energy, before = local_energy(f, block, coordinates, values, parameters, i, j, start)
         slope, round_off = (g * d).sum(axis=0), 8.0 * np.finfo(float).eps * np.abs(energy)
         result, waiting, step = start.copy(), usable.copy(), 1.0
         for _ in range(30):
             if not waiting.any():
                 break
             place = start + step * d
-            trial, after = local_energy(f, block, coordinates, weight, parameters, i, j, place)
+            trial, after = local_energy(f, block, coordinates, values, parameters, i, j, place)
             accepted = waiting & (trial <= energy + 1e-4 * step * slope + round_off)
             if floor >= 0.0:
                 accepted &= ~folds(before, after, floor)
@@ -614,12 +603,13 @@ def central_differences(block, coordinates):
     return first[0][0], first[1][0], first[0][1], first[1][1], *second[0], *second[1]
 
 
-def weights_at_nodes(f, block, weight):
-    """The planes of the weight at the inner nodes, and its slopes along xi and eta where it is frozen."""
-    planes = [plane[1:-1, 1:-1] for plane in weight] if f.facts.weight_planes else []
-    if f.facts.variant == "frozen":
-        planes.append(0.5 / block.h_xi * (around(weight[0], 1, 0) - around(weight[0], -1, 0)))
-        planes.append(0.5 / block.h_eta * (around(weight[0], 0, 1) - around(weight[0], 0, -1)))
+def values_at_nodes(f, block, values):
+    """The values at the inner nodes, of planes that are given at nodes, and the slopes along xi and eta of some."""
+    planes = [plane[1:-1, 1:-1] for plane in values.nodes]
+    for name in f.facts.sloped:
+        plane = values.nodes[f.facts.planes.index(name)]
+        planes.append(0.5 / block.h_xi * (around(plane, 1, 0) - around(plane, -1, 0)))
+        planes.append(0.5 / block.h_eta * (around(plane, 0, 1) - around(plane, 0, -1)))
     return planes
 
 
@@ -629,11 +619,11 @@ def own_rows(block):
     return slice(first, last), slice(first - 1, last - 1)
 
 
-def euler_lagrange_residual(f, block, coordinates, weight, parameters, result):
+def euler_lagrange_residual(f, block, coordinates, values, parameters, result):
     nodes, inner = own_rows(block)
     with np.errstate(all="ignore"):
         derivatives = central_differences(block, coordinates)
-        r = f.residual(*derivatives, *weights_at_nodes(f, block, weight), parameters)
+        r = f.residual(*derivatives, *values_at_nodes(f, block, values), parameters)
         for component, part in enumerate((r.r_x, r.r_y)):
             result[component, nodes, 1:-1] = np.broadcast_to(part, derivatives[0].shape)[inner]
 
@@ -642,33 +632,33 @@ def euler_lagrange_residual(f, block, coordinates, weight, parameters, result):
 # (i-1, j-1), (i-1, j), ..., (i+1, j+1); the planes xx, xy, yx, yy (equation, then coordinate).
 
 
-def euler_lagrange_jacobian(f, block, coordinates, weight, parameters, jacobian):
+def euler_lagrange_jacobian(f, block, coordinates, values, parameters, jacobian):
     nodes, inner = own_rows(block)
     half_xi, half_eta = 0.5 / block.h_xi, 0.5 / block.h_eta
     second_xi, second_eta = 1.0 / block.h_xi**2, 1.0 / block.h_eta**2
     with np.errstate(all="ignore"):
         derivatives = central_differences(block, coordinates)
-        r = f.residual_slopes(*derivatives, *weights_at_nodes(f, block, weight), parameters)
+        r = f.residual_slopes(*derivatives, *values_at_nodes(f, block, values), parameters)
         for entry, (equation, coordinate) in enumerate(("xx", "xy", "yx", "yy")):
             slope = {name: getattr(r, f"{equation}_{coordinate}_{name}") for name in ("xixi", "xieta", "etaeta")}
             corner, xi, eta = half_xi * half_eta * slope["xieta"], second_xi * slope["xixi"], second_eta * slope["etaeta"]
             slope_xi = half_xi * getattr(r, f"{equation}_{coordinate}_xi")
             slope_eta = half_eta * getattr(r, f"{equation}_{coordinate}_eta")
             center = -2.0 * (xi + eta)
-            if moving(f):
+            if f.facts.moving:
                 center = center + getattr(r, f"{equation}_{coordinate}")
             stencil = (corner, xi - slope_xi, -corner, eta - slope_eta, center, eta + slope_eta, -corner, xi + slope_xi, corner)
             for neighbor, value in enumerate(stencil):
                 jacobian[4 * neighbor + entry, nodes, 1:-1] = np.broadcast_to(value, derivatives[0].shape)[inner]
 
 
-def euler_lagrange_frozen_jacobian(f, block, coordinates, weight, parameters, jacobian):
+def euler_lagrange_frozen_jacobian(f, block, coordinates, values, parameters, jacobian):
     nodes, inner = own_rows(block)
     half_xi, half_eta = 0.5 / block.h_xi, 0.5 / block.h_eta
     second_xi, second_eta = 1.0 / block.h_xi**2, 1.0 / block.h_eta**2
     with np.errstate(all="ignore"):
         derivatives = central_differences(block, coordinates)
-        r = f.residual_coefficients(*derivatives, *weights_at_nodes(f, block, weight), parameters)
+        r = f.residual_coefficients(*derivatives, *values_at_nodes(f, block, values), parameters)
         for entry, (equation, coordinate) in enumerate(("xx", "xy", "yx", "yy")):
             slope = {name: getattr(r, f"{equation}_{coordinate}_{name}") for name in ("xixi", "xieta", "etaeta")}
             corner, xi, eta = half_xi * half_eta * slope["xieta"], second_xi * slope["xixi"], second_eta * slope["etaeta"]
@@ -679,7 +669,7 @@ def euler_lagrange_frozen_jacobian(f, block, coordinates, weight, parameters, ja
                 jacobian[4 * neighbor + entry, nodes, 1:-1] = np.broadcast_to(value, derivatives[0].shape)[inner]
 
 
-def euler_lagrange_relaxation(f, block, coordinates, weight, parameters, fixed, color, relaxation):
+def euler_lagrange_relaxation(f, block, coordinates, values, parameters, fixed, color, relaxation):
     """One over-relaxed sweep over the free nodes of one color, with the coefficients of the second derivatives frozen.
 
     Each node solves its own two equations for its own two coordinates.
@@ -690,7 +680,7 @@ def euler_lagrange_relaxation(f, block, coordinates, weight, parameters, fixed, 
     chosen &= (i >= block.row_begin) & (i < block.row_end)
     with np.errstate(all="ignore"):
         derivatives = central_differences(block, coordinates)
-        r = f.residual_coefficients(*derivatives, *weights_at_nodes(f, block, weight), parameters)
+        r = f.residual_coefficients(*derivatives, *values_at_nodes(f, block, values), parameters)
         xx = -2.0 * (second_xi * r.x_x_xixi + second_eta * r.x_x_etaeta)
         xy = -2.0 * (second_xi * r.x_y_xixi + second_eta * r.x_y_etaeta)
         yx = -2.0 * (second_xi * r.y_x_xixi + second_eta * r.y_x_etaeta)

@@ -25,7 +25,9 @@ class KernelFacts:
         density: the formula, as text.
         digest: of the definition that everything was derived from.
         parameters: names of the parameters, in the order of the array that a kernel reads.
-        weight_planes: names of the planes of the weight array, in order.
+        planes: names of the planes of values (of the weight, of fields), in order.
+        sloped: those whose slopes along xi and eta enter the Euler-Lagrange equations.
+        moving: whether values move with the nodes.
         barrier: whether the energy is infinite where J = 0.
         equation_type: type of the Euler-Lagrange equations where J > 0: `elliptic`, or what they are instead.
         null_lagrangian: whether the energy is the same for every grid with the same boundary.
@@ -40,7 +42,9 @@ class KernelFacts:
     density: str
     digest: str
     parameters: tuple[str, ...]
-    weight_planes: tuple[str, ...]
+    planes: tuple[str, ...]
+    sloped: tuple[str, ...]
+    moving: bool
     barrier: bool
     equation_type: str
     null_lagrangian: bool
@@ -58,7 +62,7 @@ class KernelFacts:
     def from_json(cls, text: str) -> KernelFacts:
         """Return the facts that `to_json` wrote."""
         data = json.loads(text)
-        for key in ("parameters", "weight_planes", "functions"):
+        for key in ("parameters", "planes", "sloped", "functions"):
             data[key] = tuple(data[key])
         return cls(**data)
 

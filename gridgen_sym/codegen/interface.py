@@ -3,7 +3,7 @@
 The first argument of each is a block: `ni` x `nj` nodes, the rows `row_begin` to `row_end` of them to work on (the
 rows beside those are read), `stride` and `plane` (doubles from a row, and from a component, to the next),
 `interior_only` (leave out corners at nodes of the block's edge), `threads`, and the spacings `h_xi`, `h_eta` of the
-logical coordinates. Coordinates, weight and parameters follow. A function writes into arrays that it is given, and only
+logical coordinates. Coordinates, values and parameters follow. A function writes into arrays that it is given, and only
 for its own rows.
 """
 
@@ -26,7 +26,8 @@ class Signature:
     arguments: str
 
 
-#: By name. Every list begins with coordinates (2, ni, nj), weight (planes, ni, nj) and parameters.
+#: By name. Every list begins with coordinates (2, ni, nj), values (a `runtime.Values`; in C four addresses for each
+#: plane) and parameters.
 FUNCTIONS: Mapping[str, Signature] = {
     # row_energy, row_min_jacobian
     "energy": Signature("corner_energy", "aaaaa"),

@@ -32,8 +32,8 @@ from .interface import FUNCTIONS
 from .kernel import Kernel, Program
 from .lower import lower
 
-#: Planes of the weight array, by variant: the weight, and its derivatives where it is differentiated through.
-WEIGHT_PLANES: Mapping[Variant, tuple[Symbol, ...]] = {
+#: Planes of values, by variant: the weight, and its derivatives where it is differentiated through.
+PLANES: Mapping[Variant, tuple[Symbol, ...]] = {
     "plain": (),
     "frozen": (s,),
     "differentiated": (s, s_x, s_y, s_xx, s_xy, s_yy),
@@ -55,7 +55,9 @@ def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
         density=str(functional.expression()),
         digest=definition_digest(functional),
         parameters=tuple(symbol.name for symbol in model.parameters),
-        weight_planes=tuple(symbol.name for symbol in WEIGHT_PLANES[variant]),
+        planes=tuple(symbol.name for symbol in PLANES[variant]),
+        sloped=("s",) if variant == "frozen" else (),
+        moving=variant == "differentiated",
         barrier=has_barrier(functional),
         equation_type=equation_type(functional),
         null_lagrangian=variant == "plain" and is_null_lagrangian(functional),
@@ -67,14 +69,14 @@ def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
 
 
 def _corner_programs(model: CornerModel) -> list[Program]:
-    inputs = (*FIRST_DERIVATIVES, *WEIGHT_PLANES[model.variant])
+    inputs = (*FIRST_DERIVATIVES, *PLANES[model.variant])
     energy: dict[str, Expr] = {"energy": model.energy, "jacobian": J}
     moving = model.variant == "differentiated"
     position = {f"p{k}": entry for k, entry in enumerate(model.position_gradient)} if moving else {}
     # The chain rule from the metric to the nodes belongs to the templates, which share it among the corners of a cell.
     slopes = energy | {f"slope_{symbol}": slope for symbol, slope in model.slopes.items()} | position
     gradient = energy | {f"d{k}": entry for k, entry in enumerate(model.gradient)} | position
-    direction = (*FIRST_DERIVATIVES, *DIRECTION, *(POSITION_DIRECTION if moving else ()), *WEIGHT_PLANES[model.variant])
+    direction = (*FIRST_DERIVATIVES, *DIRECTION, *(POSITION_DIRECTION if moving else ()), *PLANES[model.variant])
     along = {f"d{k}": entry for k, entry in enumerate(model.hessian_vector)}
     if moving:
         along |= {f"p{k}": entry for k, entry in enumerate(model.position_hessian_vector)}
@@ -83,6 +85,7 @@ def _corner_programs(model: CornerModel) -> list[Program]:
         semidefinite = {f"d{k}": entry for k, entry in enumerate(model.semidefinite_hessian_vector)}
         products.append(lower("corner_semidefinite_vector", direction, model.parameters, semidefinite))
     return [
+        *([lower("moved", (*POSITION_DIRECTION, *PLANES[model.variant]), (), _moved(model))] if moving else []),
         lower("corner_energy", inputs, model.parameters, energy),
         lower("corner_slopes", inputs, model.parameters, slopes),
         lower("corner_hessian", inputs, model.parameters, gradient | _hessian_entries(model, model.hessian)),
@@ -94,6 +97,14 @@ def _corner_programs(model: CornerModel) -> list[Program]:
         ),
         *products,
     ]
+
+
+def _moved(model: CornerModel) -> dict[str, Expr]:
+    """Return the values at a node that has moved a little, to second order, by name."""
+    v_x, v_y = POSITION_DIRECTION
+    moved = {symbol: symbol for symbol in PLANES[model.variant]}
+    moved[s] = s + s_x * v_x + s_y * v_y + (s_xx * v_x**2 + 2 * s_xy * v_x * v_y + s_yy * v_y**2) / 2
+    return {f"moved_{symbol}": value for symbol, value in moved.items()}
 
 
 def _matrix_entries(matrix: sympy.Matrix) -> dict[str, Expr]:
@@ -114,7 +125,7 @@ def _euler_lagrange_programs(equations: EulerLagrange, parameters: tuple[Symbol,
 
     Where the system has been reduced to a simpler one with the same solutions, that one is solved.
     """
-    weight = WEIGHT_PLANES[equations.variant] + ((s_xi, s_eta) if equations.variant == "frozen" else ())
+    weight = PLANES[equations.variant] + ((s_xi, s_eta) if equations.variant == "frozen" else ())
     inputs = (*FIRST_DERIVATIVES, *SECOND_DERIVATIVES, *weight)
     system = equations.reduction.system if equations.reduction else equations.residual
     residual = {"r_x": system[0], "r_y": system[1]}

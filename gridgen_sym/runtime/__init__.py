@@ -11,3 +11,4 @@ from .kernel_set import KernelSet as KernelSet
 from .kernels import kernels as kernels
 from .threads import thread_count as thread_count
 from .threads import threads_for as threads_for
+from .values import Values as Values

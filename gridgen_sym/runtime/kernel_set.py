@@ -12,6 +12,7 @@ from ..arrays import Array, Mask
 from ..errors import GridgenError
 from .block import Block
 from .threads import threads_for
+from .values import Values
 
 if TYPE_CHECKING:
     from ..symbolic.coordinates import Variant
@@ -26,8 +27,8 @@ _TYPES = (np.dtype(np.float64), np.dtype(np.uint8))
 class KernelSet:
     """The kernels of one functional in one variant, with parameter values, on one backend.
 
-    Coordinates are arrays (2, ni, nj), C-contiguous: the planes x and y. `weight` is None, or an array
-    (len(weight_planes), ni, nj).
+    Coordinates are arrays (2, ni, nj), C-contiguous: the planes x and y. `values` are those of the weight and of other
+    fields, in the order of `planes`: a `Values`, an array (len(planes), ni, nj), or None where there are none.
 
     Attributes:
         functional: its name.
@@ -37,7 +38,8 @@ class KernelSet:
         equation_type: type of the Euler-Lagrange equations where J > 0, `elliptic` or what they are instead.
         null_lagrangian: whether the energy, over all corners, is the same for every grid with the same boundary.
         polyconvex: whether the semidefinite Hessian is so by derivation, not by clamped eigenvalues.
-        weight_planes: names of the planes that `weight` must have.
+        planes: names of the planes of values.
+        moving: whether they move with the nodes.
         operations: number of arithmetic operations of each program.
     """
 
@@ -48,44 +50,45 @@ class KernelSet:
     equation_type: str
     null_lagrangian: bool
     polyconvex: bool
-    weight_planes: tuple[str, ...]
+    planes: tuple[str, ...]
+    moving: bool
     operations: Mapping[str, int]
     _parameters: Array
     _functions: Mapping[str, Callable[..., None]]
 
     def energy(
-        self, coordinates: Array, weight: Array | None = None, *, interior_only: bool = False
+        self, coordinates: Array, values: Values | Array | None = None, *, interior_only: bool = False
     ) -> tuple[float, float]:
         """Return the energy, summed over corners, and the smallest Jacobian of any corner, counted or not."""
         rows = np.empty((2, coordinates.shape[1] - 1))
-        self._call("energy", coordinates, weight, rows[0], rows[1], interior_only=interior_only)
+        self._call("energy", coordinates, values, rows[0], rows[1], interior_only=interior_only)
         return _total(rows[0]), float(rows[1].min())
 
     def smallest_jacobians(self, coordinates: Array) -> Array:
-        """Return the smallest Jacobian of the corners of each row of cells, (ni - 1,); the weight has no part in it."""
+        """Return the smallest Jacobian of the corners of each row of cells, (ni - 1,); values have no part in it."""
         energies, smallest = np.empty(coordinates.shape[1] - 1), np.empty(coordinates.shape[1] - 1)
-        weight = np.zeros((len(self.weight_planes), *coordinates.shape[1:]))
-        weight[:1] = 1.0
-        self._call("energy", coordinates, weight, energies, smallest)
+        values = np.zeros((len(self.planes), *coordinates.shape[1:]))
+        values[:1] = 1.0
+        self._call("energy", coordinates, values, energies, smallest)
         return smallest
 
     def energy_gradient(
         self,
         coordinates: Array,
-        weight: Array | None = None,
+        values: Values | Array | None = None,
         *,
         interior_only: bool = False,
         out: Array | None = None,
     ) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian, and the gradient (2, ni, nj) in all nodes (written to `out`)."""
         rows, gradient = np.empty((2, coordinates.shape[1] - 1)), _result(2, coordinates, out)
-        self._call("energy_gradient", coordinates, weight, rows[0], rows[1], gradient, interior_only=interior_only)
+        self._call("energy_gradient", coordinates, values, rows[0], rows[1], gradient, interior_only=interior_only)
         return _total(rows[0]), float(rows[1].min()), gradient
 
     def hessian(
         self,
         coordinates: Array,
-        weight: Array | None = None,
+        values: Values | Array | None = None,
         *,
         semidefinite: bool = False,
         interior_only: bool = False,
@@ -98,14 +101,14 @@ class KernelSet:
         """
         planes = _result(HESSIAN_PLANES, coordinates, out)
         name = "semidefinite_hessian" if semidefinite else "hessian"
-        self._call(name, coordinates, weight, planes, interior_only=interior_only)
+        self._call(name, coordinates, values, planes, interior_only=interior_only)
         return planes
 
     def hessian_vector(
         self,
         coordinates: Array,
         vector: Array,
-        weight: Array | None = None,
+        values: Values | Array | None = None,
         *,
         semidefinite: bool = False,
         interior_only: bool = False,
@@ -126,13 +129,13 @@ class KernelSet:
             )
         product = _result(2, coordinates, out)
         name = "semidefinite_hessian_vector" if semidefinite else "hessian_vector"
-        self._call(name, coordinates, weight, vector, product, interior_only=interior_only)
+        self._call(name, coordinates, values, vector, product, interior_only=interior_only)
         return product
 
     def sweep(
         self,
         coordinates: Array,
-        weight: Array | None,
+        values: Values | Array | None,
         fixed: Mask,
         color: int,
         *,
@@ -148,13 +151,13 @@ class KernelSet:
             The largest component of a step; a node whose step would be `reach` or more stays, but is counted.
         """
         steps = np.zeros(coordinates.shape[1])
-        self._call("sweep", coordinates, weight, fixed, color, floor, reach, steps, interior_only=interior_only)
+        self._call("sweep", coordinates, values, fixed, color, floor, reach, steps, interior_only=interior_only)
         return float(steps.max())
 
     def euler_lagrange_residual(
         self,
         coordinates: Array,
-        weight: Array | None = None,
+        values: Values | Array | None = None,
         spacing: tuple[float, float] = (1.0, 1.0),
         *,
         out: Array | None = None,
@@ -164,13 +167,13 @@ class KernelSet:
         With `out`, it is written there.
         """
         residual = _zero_at_boundary(_result(2, coordinates, out))
-        self._call("euler_lagrange_residual", coordinates, weight, residual, spacing=spacing)
+        self._call("euler_lagrange_residual", coordinates, values, residual, spacing=spacing)
         return residual
 
     def euler_lagrange_jacobian(
         self,
         coordinates: Array,
-        weight: Array | None = None,
+        values: Values | Array | None = None,
         spacing: tuple[float, float] = (1.0, 1.0),
         *,
         frozen: bool = False,
@@ -184,36 +187,35 @@ class KernelSet:
         """
         jacobian = _zero_at_boundary(_result(JACOBIAN_PLANES, coordinates, out))
         name = "euler_lagrange_frozen_jacobian" if frozen else "euler_lagrange_jacobian"
-        self._call(name, coordinates, weight, jacobian, spacing=spacing)
+        self._call(name, coordinates, values, jacobian, spacing=spacing)
         return jacobian
 
     def euler_lagrange_relaxation(
         self,
         coordinates: Array,
-        weight: Array | None,
+        values: Values | Array | None,
         fixed: Mask,
         color: int,
         relaxation: float,
         spacing: tuple[float, float] = (1.0, 1.0),
     ) -> None:
         """Relax the equations at every free node of a color, with frozen coefficients, in place."""
-        self._call("euler_lagrange_relaxation", coordinates, weight, fixed, color, relaxation, spacing=spacing)
+        self._call("euler_lagrange_relaxation", coordinates, values, fixed, color, relaxation, spacing=spacing)
 
     def _call(
         self,
         name: str,
         coordinates: Array,
-        weight: Array | None,
+        values: Values | Array | None,
         *arguments: Any,  # noqa: ANN401
         interior_only: bool = False,
         spacing: tuple[float, float] = (1.0, 1.0),
     ) -> None:
         _, ni, nj = coordinates.shape
-        shape = (len(self.weight_planes), ni, nj)
-        weight = np.empty(0) if weight is None else weight
-        if self.weight_planes and weight.shape != shape:
-            raise GridgenError(f"the weight of {self.functional} must have the shape {shape}; came {weight.shape}")
-        for array in (coordinates, weight, *arguments):
+        given = self._values(values, (ni, nj))
+        if name.startswith("euler_lagrange"):
+            given = given.at_nodes()
+        for array in (coordinates, *arguments):
             # Compiled code reads memory as it is told: another type or order would be nonsense without a word.
             if isinstance(array, np.ndarray) and not (array.flags.c_contiguous and array.dtype in _TYPES):
                 raise GridgenError(
@@ -226,7 +228,25 @@ class KernelSet:
                 f"{self.backend!r}: use the variant 'plain', or another backend"
             )
         block = Block(ni, nj, 0, ni, nj, ni * nj, int(interior_only), threads_for(ni * nj), *spacing)
-        self._functions[name](block, coordinates, weight, self._parameters, *arguments)
+        self._functions[name](block, coordinates, given, self._parameters, *arguments)
+
+    def _values(self, values: Values | Array | None, shape: tuple[int, int]) -> Values:
+        """Return values as kernels read them.
+
+        Raises:
+            GridgenError: if there are more or fewer of them than the functional names, or of another grid.
+        """
+        if isinstance(values, Values):
+            count, came = len(values.nodes), values.nodes[0].shape if values.nodes else shape
+        else:
+            planes = np.empty((0, *shape)) if values is None or not self.planes else values
+            count, came = planes.shape[0], planes.shape[1:]
+        if (count, *came) != (len(self.planes), *shape):
+            raise GridgenError(
+                f"the values of {self.functional} ({', '.join(self.planes)}) must have the shape "
+                f"{(len(self.planes), *shape)}; came {(count, *came)}"
+            )
+        return values if isinstance(values, Values) else Values.of(planes, shape)
 
 
 def _total(energies: Array) -> float:

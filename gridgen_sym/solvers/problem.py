@@ -46,7 +46,7 @@ class Problem:
     def refresh(self, coordinates: Array) -> None:
         """Evaluate the weight at the nodes' present positions."""
         if self.weight is not None:
-            self._planes = self.weight.planes(coordinates, self.kernels.weight_planes)
+            self._planes = self.weight.planes(coordinates, self.kernels.planes)
 
     def weights(self, coordinates: Array) -> Array | None:
         """Return the planes of the weight: as last refreshed if frozen, at these coordinates if differentiated."""

@@ -48,7 +48,7 @@ def test_all_of_generated_is_the_committed_bytes(derived, monkeypatch):
 
 
 #: Lines of all files, of the largest kernel in one language, and of what its kernels share.
-MOST_LINES, MOST_OF_A_KERNEL, MOST_SHARED = 16_000, 500, 1600
+MOST_LINES, MOST_OF_A_KERNEL, MOST_SHARED = 16_000, 550, 1600
 
 
 def test_generated_files_stay_small():

@@ -89,8 +89,8 @@ def test_unknown_parameters_are_refused():
 def test_what_stands_for_a_barrier_is_found():
     with_barrier = define("walled", "g11/J + g22")
     without = define("open", "g11*J + g22")
-    assert derived_kernel(with_barrier, "plain").barrier
-    assert not derived_kernel(without, "plain").barrier
+    assert derived_kernel(with_barrier, "plain").facts.barrier
+    assert not derived_kernel(without, "plain").facts.barrier
     xy = random_grid(4, 4)
     expected = kernels(with_barrier, backend="numpy").energy(xy)[0]
     near = kernels(with_barrier, "regularized", {"epsilon": 1e-7}, "numpy").energy(xy)[0]
@@ -100,4 +100,4 @@ def test_what_stands_for_a_barrier_is_found():
 
 
 def test_kernels_do_not_depend_on_the_whole_classification():
-    assert derived_kernel(define("hard", "(g11 + g22)**1.25/J**1.5 + J**12"), "plain").barrier
+    assert derived_kernel(define("hard", "(g11 + g22)**1.25/J**1.5 + J**12"), "plain").facts.barrier

@@ -20,8 +20,8 @@ BLOCKS = {
 
 
 def bind(facts: Any, source: str) -> Mapping[str, Callable[..., None]]:
-    """Return the functions that there are for these facts: no clamped eigenvalues, and no weight that moves."""
-    if facts.variant == "differentiated":
+    """Return the functions that there are for these facts: no clamped eigenvalues, and no values that move."""
+    if facts.moving:
         return {}
     names: dict[str, Any] = {}
     exec(source, names)
@@ -50,19 +50,20 @@ def counts(block: Any, node: tuple[int, int]) -> bool:
     return inside or not block.interior_only
 
 
-def evaluate(program: Callable[..., dict[str, float]], corner: Corner, xy: Any, weight: Any, parameters: Any) -> Any:
+def evaluate(program: Callable[..., dict[str, float]], corner: Corner, xy: Any, values: Any, parameters: Any) -> Any:
     """Return the results of a program at a corner; not a number where Python raises an error."""
     node, along_xi, along_eta, sign_xi, sign_eta = corner
     a = [sign_xi * float(xy[c][along_xi] - xy[c][node]) for c in range(2)]
     b = [sign_eta * float(xy[c][along_eta] - xy[c][node]) for c in range(2)]
-    planes = [float(plane[node]) for plane in weight]
+    p, q = (1 - sign_xi) // 2, (1 - sign_eta) // 2
+    planes = [float(plane[p + 2 * q][node[0] - p, node[1] - q]) for plane in values.corners]
     try:
         return program(*a, *b, *planes, [float(value) for value in parameters])
     except (ArithmeticError, ValueError):
-        values = dict.fromkeys(
+        lost = dict.fromkeys(
             [f"d{k}" for k in range(4)] + [f"h{p}{q}" for p in range(4) for q in range(p, 4)], math.nan
         )
-        return values | {"energy": math.nan, "jacobian": a[0] * b[1] - a[1] * b[0]}
+        return lost | {"energy": math.nan, "jacobian": a[0] * b[1] - a[1] * b[0]}
 
 
 def incidence(corner: Corner) -> Sequence[tuple[tuple[int, int], int, int]]:
@@ -71,12 +72,12 @@ def incidence(corner: Corner) -> Sequence[tuple[tuple[int, int], int, int]]:
     return ((along_xi, 0, sign_xi), (node, 0, -sign_xi), (along_eta, 2, sign_eta), (node, 2, -sign_eta))
 
 
-def energy(program: Any, block: Any, xy: Any, weight: Any, parameters: Any, row_energy: Any, row_least: Any) -> None:
+def energy(program: Any, block: Any, xy: Any, values: Any, parameters: Any, row_energy: Any, row_least: Any) -> None:
     """Sum the energies of each row of cells, and find its smallest Jacobian."""
     row_energy[:], row_least[:] = 0.0, math.inf
     for number, corner in enumerate(corners(block)):
         row = block.row_begin + number // (4 * (block.nj - 1))
-        found = evaluate(program, corner, xy, weight, parameters)
+        found = evaluate(program, corner, xy, values, parameters)
         row_energy[row] += found["energy"] if counts(block, corner[0]) else 0.0
         row_least[row] = min(row_least[row], found["jacobian"])
 
@@ -85,29 +86,29 @@ def energy_gradient(
     program: Any,
     block: Any,
     xy: Any,
-    weight: Any,
+    values: Any,
     parameters: Any,
     row_energy: Any,
     row_least: Any,
     gradient: Any,
 ) -> None:
     """Add the gradient in all nodes."""
-    energy(program, block, xy, weight, parameters, row_energy, row_least)
+    energy(program, block, xy, values, parameters, row_energy, row_least)
     gradient[:] = 0.0
     for corner in corners(block):
         if counts(block, corner[0]):
-            found = evaluate(program, corner, xy, weight, parameters)
+            found = evaluate(program, corner, xy, values, parameters)
             for node, first, sign in incidence(corner):
                 for c in range(2):
                     gradient[c][node] += sign * found[f"d{first + c}"]
 
 
-def hessian(program: Any, block: Any, xy: Any, weight: Any, parameters: Any, planes: Any) -> None:
+def hessian(program: Any, block: Any, xy: Any, values: Any, parameters: Any, planes: Any) -> None:
     """Add the blocks of each pair of nodes; of two that are each other's transpose, one is stored."""
     planes[:] = 0.0
     for corner in corners(block):
         if counts(block, corner[0]):
-            found = evaluate(program, corner, xy, weight, parameters)
+            found = evaluate(program, corner, xy, values, parameters)
             for one, first, sign in incidence(corner):
                 for other, second, its in incidence(corner):
                     place = BLOCKS.get((other[0] - one[0], other[1] - one[1]), {})

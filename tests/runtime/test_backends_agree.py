@@ -94,7 +94,7 @@ def test_c_equals_numpy(case):
     assert (compiled.backend, plain.backend) == ("c", "numpy")
     for size in SIZES:
         xy = random_grid(*size, noise=noise_of(case[1]))
-        weight = random_weight(len(plain.weight_planes), *size)
+        weight = random_weight(len(plain.planes), *size)
         assert not objections(compiled, plain, xy, weight, fixed_nodes(*size)), size
 
 
@@ -103,7 +103,7 @@ def test_c_equals_numpy(case):
 @pytest.mark.parametrize("case", [("winslow", "plain"), ("area", "differentiated"), ("length", "plain")], ids=case_name)
 def test_sweeps_move_free_nodes_of_their_color_and_no_others(case, backend):
     kernels = kernel_set(*case, backend)
-    xy, weight = random_grid(7, 8), random_weight(len(kernels.weight_planes), 7, 8)
+    xy, weight = random_grid(7, 8), random_weight(len(kernels.planes), 7, 8)
     fixed = np.zeros((7, 8), dtype=np.uint8)
     fixed[3, 4] = fixed[2, 2] = 1
     i, j = np.meshgrid(np.arange(7), np.arange(8), indexing="ij")
@@ -121,7 +121,7 @@ def test_sweeps_move_free_nodes_of_their_color_and_no_others(case, backend):
 @pytest.mark.parametrize("case", [case for case in CASES if case[1] != "differentiated"], ids=case_name)
 def test_a_sweep_lowers_the_energy(case):
     kernels = kernel_set(*case, "c")
-    xy, weight = random_grid(9, 9, noise=noise_of(case[1])), random_weight(len(kernels.weight_planes), 9, 9)
+    xy, weight = random_grid(9, 9, noise=noise_of(case[1])), random_weight(len(kernels.planes), 9, 9)
     before = kernels.energy(xy, weight)[0]
     for color in range(4):
         kernels.sweep(xy, weight, np.zeros((9, 9), dtype=np.uint8), color, floor=FOLDING)
@@ -222,13 +222,13 @@ def test_given_memory_of_the_wrong_shape_is_refused(backend):
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 @pytest.mark.parametrize("shape", [(2, 5, 6), (1, 6, 5), (5, 6), (0,)])
 def test_a_weight_of_the_wrong_shape_is_refused(backend, shape):
-    with pytest.raises(ValueError, match=r"weight of area must have the shape \(1, 5, 6\); came"):
+    with pytest.raises(ValueError, match=r"values of area \(s\) must have the shape \(1, 5, 6\); came"):
         kernel_set("area", "frozen", backend).energy(random_grid(5, 6), np.ones(shape))
 
 
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_a_missing_weight_is_refused(backend):
-    with pytest.raises(ValueError, match="weight of area must have the shape"):
+    with pytest.raises(ValueError, match=r"values of area \(s\) must have the shape"):
         kernel_set("area", "frozen", backend).energy(random_grid(5, 6))
 
 

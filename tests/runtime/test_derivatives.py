@@ -27,7 +27,7 @@ STEP = 1e-5
 
 def moving_weight(case, xy):
     """Return the planes of s(x, y) = 2 + sin(0.3 x + 0.5 y) at the nodes, or what stands for it where it is held."""
-    planes = kernel_set(*case, BACKEND).weight_planes
+    planes = kernel_set(*case, BACKEND).planes
     if case[1] != "differentiated":
         return random_weight(len(planes), *xy.shape[1:])
     phase, a, b = 0.3 * xy[0] + 0.5 * xy[1], 0.3, 0.5
@@ -180,7 +180,7 @@ def test_the_jacobian_is_the_slope_of_the_residual(case):
 def jacobian_weight(case, xy):
     """Return the weight as a function of the grid; its third derivatives, which the Jacobian leaves out, are zero."""
     if case[1] != "differentiated":
-        return lambda at: random_weight(len(kernel_set(*case, BACKEND).weight_planes), *xy.shape[1:])
+        return lambda at: random_weight(len(kernel_set(*case, BACKEND).planes), *xy.shape[1:])
 
     def planes(at):
         x, y = at
@@ -302,7 +302,7 @@ def test_a_translation_changes_nothing(case):
 @pytest.mark.parametrize("case", CASES, ids=case_name)
 def test_a_rotation_turns_the_gradient_and_keeps_the_energy(case):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
-    weight = random_weight(len(kernels.weight_planes), *SIZE)
+    weight = random_weight(len(kernels.planes), *SIZE)
     angle = 0.7
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     rotated = np.ascontiguousarray(np.tensordot(turn, xy, 1))

@@ -87,7 +87,7 @@ def relative_error(found, expected, cells):
 
 
 def planes(kernels, sampled):
-    return np.array([sampled[name] for name in kernels.weight_planes]) if kernels.weight_planes else None
+    return np.array([sampled[name] for name in kernels.planes]) if kernels.planes else None
 
 
 def gradient_error(definition, kernels, cells):

@@ -38,7 +38,7 @@ def plain(monkeypatch):
 )
 def test_its_kernels_are_those_of_numpy(case, inner):
     plain, numpy = kernel_set(*case, "plain"), kernel_set(*case, "numpy")
-    xy, weight = random_grid(4, 6), random_weight(len(numpy.weight_planes), 4, 6)
+    xy, weight = random_grid(4, 6), random_weight(len(numpy.planes), 4, 6)
     assert plain.backend == "plain"
 
     def results(kernels):

@@ -16,6 +16,7 @@ from ...codegen.interface import FUNCTIONS
 from ...resources import resource_folder
 from ...runtime.block import Block
 from ...runtime.compiler import open_library
+from ...runtime.values import Values
 
 #: Functions that are compiled together, by the name of the part in C and for the user. Optimizing the whole file takes
 #: the compiler several seconds, and a solver needs two or three parts of it.
@@ -82,7 +83,7 @@ class _Function:
             self._load()
         self._loaded(
             ctypes.byref(block),
-            *(value.ctypes.data if isinstance(value, np.ndarray) else value for value in arguments),
+            *map(_argument, arguments),
         )
 
     def _load(self) -> None:
@@ -90,3 +91,9 @@ class _Function:
         function.argtypes = [ctypes.POINTER(Block), *(_TYPES[kind] for kind in self.kinds)]
         function.restype = None
         self._loaded = function
+
+
+def _argument(value: Any) -> Any:  # noqa: ANN401
+    """Return an argument as C takes it: the address of an array's first number, or of the first address of values."""
+    array = value.pointers if isinstance(value, Values) else value
+    return array.ctypes.data if isinstance(array, np.ndarray) else array
