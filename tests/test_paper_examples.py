@@ -1,4 +1,4 @@
-"""Section 4 of the paper, run once: its pictures, its table, and what the numbers say of its claims."""
+"""Section 3 of the paper, run once: its pictures, its table, and what the numbers say of its claims."""
 
 from pathlib import Path
 
@@ -7,18 +7,18 @@ import pytest
 
 from gridgen_sym import GridgenError, gradient, quality
 from gridgen_sym.paper_examples import Case, Example, run
-from gridgen_sym.paper_examples.adaptive import PRODUCT, ROOT_PRODUCT, spreads
+from gridgen_sym.paper_examples.adaptive import PRODUCT, ROOT_PRODUCT, SHARE, STOP, STOP_NEGATIVE, spreads
 from gridgen_sym.paper_examples.claim import better, decide
 
 pytest.importorskip("matplotlib")
 
 PICTURES = {
-    "4_1_adaptive_area.png",
-    "4_1_weight_modes.png",
-    "4_2_winslow.png",
-    "4_3_liao_area.png",
-    "4_4_length_area_knupp.png",
-    "4_5_length_knupp.png",
+    "3_1_adaptive_area.png",
+    "3_1_weight_modes.png",
+    "3_2_winslow.png",
+    "3_3_liao_area.png",
+    "3_4_length_area_knupp.png",
+    "3_5_length_knupp.png",
 }
 
 
@@ -56,7 +56,7 @@ def test_pictures_are_written_and_are_png(examples, folder):
 
 
 def test_every_section_is_there_in_order(examples):
-    assert list(examples) == ["4.1", "4.2", "4.3", "4.4", "4.5"]
+    assert list(examples) == ["3.1", "3.2", "3.3", "3.4", "3.5"]
 
 
 def test_table_has_every_grid_and_every_claim(examples, folder, said):
@@ -84,12 +84,12 @@ def test_markdown_tables_are_rectangular(examples, folder):
 
 
 def test_progress_is_said_before_the_table(examples, said):
-    assert [line[:3] for line in said[:6]] == ["4.1", "4.1", "4.2", "4.3", "4.4", "4.5"]
+    assert [line[:3] for line in said[:6]] == ["3.1", "3.1", "3.2", "3.3", "3.4", "3.5"]
     assert "results.md" in said[-1]
 
 
 def test_winslow_unfolds_the_swan(examples):
-    example = examples["4.2"]
+    example = examples["3.2"]
     assert example.case("transfinite interpolation").quality.folded_cells == 57
     winslow = example.case("Winslow")
     assert winslow.quality.folded_cells == 0
@@ -99,7 +99,7 @@ def test_winslow_unfolds_the_swan(examples):
 
 
 def test_liao_folds_and_modified_liao_does_not(examples):
-    example = examples["4.3"]
+    example = examples["3.3"]
     assert example.case("Liao").quality.folded_cells > 0
     assert example.case("modified Liao").quality.folded_cells == 0
     again = example.case("modified Liao, from Liao's grid")
@@ -110,7 +110,7 @@ def test_liao_folds_and_modified_liao_does_not(examples):
 
 
 def test_area_is_not_certainly_better_than_modified_liao(examples):
-    example = examples["4.3"]
+    example = examples["3.3"]
     area, modified = example.case("area (limit)").quality, example.case("modified Liao").quality
     assert area.min_jacobian > 1.3 * modified.min_jacobian
     assert area.mean_condition > 1.02 * modified.mean_condition
@@ -118,19 +118,19 @@ def test_area_is_not_certainly_better_than_modified_liao(examples):
 
 
 def test_area_and_knupp_are_better_than_length(examples):
-    assert verdict(examples["4.4"], "better than that by the length") == "holds"
-    assert all(case.quality.valid for case in examples["4.4"].cases)
+    assert verdict(examples["3.4"], "better than that by the length") == "holds"
+    assert all(case.quality.valid for case in examples["3.4"].cases)
 
 
 def test_length_folds_the_horseshoe_and_knupp_does_not(examples):
-    example = examples["4.5"]
+    example = examples["3.5"]
     assert example.case("length").quality.folded_cells > 100
     assert example.case("Knupp").quality.folded_cells == 0
     assert verdict(example, "superior") == "holds"
 
 
 def test_first_weight_is_equidistributed_in_both_modes(examples):
-    example = examples["4.1"]
+    example = examples["3.1"]
     start, frozen, differentiated = (
         example.case(f"first weight, {name}") for name in ("start", "frozen", "differentiated")
     )
@@ -144,7 +144,7 @@ def test_first_weight_is_equidistributed_in_both_modes(examples):
 
 
 def test_area_with_a_little_winslow_settles_to_a_grid_that_is_better_than_the_sweeps(examples):
-    example = examples["4.1"]
+    example = examples["3.1"]
     settled, swept = (example.case(f"first weight, {name}") for name in ("area and winslow", "frozen"))
     assert settled.converged
     assert settled.quality.valid
@@ -154,36 +154,56 @@ def test_area_with_a_little_winslow_settles_to_a_grid_that_is_better_than_the_sw
 
 
 def test_too_many_sweeps_make_the_adapted_grid_ragged_and_that_is_said(examples):
-    example = examples["4.1"]
+    example = examples["3.1"]
     assert example.case("first weight, frozen, continued").extra[PRODUCT] > 0.6
     assert verdict(example, "robust") == "holds in part"
     assert "stopped" in example.setting
 
 
 def test_negative_weight_is_refused_by_default(examples):
-    (refusal,) = (note for note in examples["4.1"].notes if "By default" in note)
+    (refusal,) = (note for note in examples["3.1"].notes if "By default" in note)
     assert "the weight must not be negative: it is -194.4" in refusal
 
 
 def test_negative_weight_is_cautioned_when_insisted_on(examples):
-    case = examples["4.1"].case("second weight, insisted on")
+    case = examples["3.1"].case("second weight, insisted on")
     assert "the energy has no lower bound" in case.message
     assert case.converged is False
     assert case.quality.valid
     assert case.energy < 0 < case.start_energy
-    assert any("the energy has no lower bound" in note and "allow_negative" in note for note in examples["4.1"].notes)
+    assert any("the energy has no lower bound" in note and "allow_negative" in note for note in examples["3.1"].notes)
 
 
 def test_energy_of_the_negative_weight_is_unbounded_where_cells_may_fold(examples):
-    case = examples["4.1"].case("second weight, differentiated, cells free to fold")
+    case = examples["3.1"].case("second weight, differentiated, cells free to fold")
     assert case.energy < -1e3
     assert case.quality.folded_cells > 100
-    assert verdict(examples["4.1"], "Implied") == "does not hold here"
+    assert verdict(examples["3.1"], "Implied") == "does not hold here"
 
 
 def test_no_grid_of_the_sweeps_is_called_converged(examples):
-    settled = examples["4.1"].case("first weight, area and winslow")
-    assert {case.converged for case in examples["4.1"].cases if case is not settled} == {None, False}
+    sweeps = [case for case in examples["3.1"].cases if "area and winslow" not in case.label]
+    assert {case.converged for case in sweeps} == {None, False}
+
+
+@pytest.mark.parametrize(("weight", "sweeps"), [("first", STOP), ("second", STOP_NEGATIVE)])
+def test_the_claims_of_what_was_stopped_by_hand_state_the_sweeps(examples, weight, sweeps):
+    (claim,) = (claim for claim in examples["3.1"].claims if f"({weight} weight, stopped by hand" in claim.paper)
+    assert f"stopped by hand after {sweeps} sweeps" in claim.paper
+    assert f"{sweeps} with the {weight}" in examples["3.1"].setting
+
+
+def test_the_better_way_stands_beside_the_sweeps_and_is_better(examples):
+    example = examples["3.1"]
+    settled, swept = example.case("second weight, its positive part, area and winslow"), example.cases
+    assert settled.converged
+    assert settled.quality.valid
+    assert settled.extra[SHARE] > max(case.extra.get(SHARE, 0) for case in swept if case is not settled)
+    beside = [claim for claim in example.claims if "(not in the paper)" in claim.paper]
+    assert [claim.verdict for claim in beside] == ["holds", "holds"]
+    assert all("by area_winslow" in claim.paper for claim in beside)
+    (picture,) = (picture for picture in example.pictures if picture.file == "3_1_adaptive_area.png")
+    assert ["Better: area_winslow" in title for title, _ in picture.panels] == [False, False, True, True]
 
 
 FUNCTIONALS = {
@@ -198,7 +218,7 @@ FUNCTIONALS = {
 }
 
 
-@pytest.mark.parametrize("section", ["4.2", "4.3", "4.4", "4.5"])
+@pytest.mark.parametrize("section", ["3.2", "3.3", "3.4", "3.5"])
 def test_converged_grids_are_stationary(examples, section):
     checked = 0
     for case in examples[section].cases:
@@ -217,7 +237,7 @@ def _spacing(case: Case) -> float:
 
 
 def test_swept_area_says_that_it_is_not_converged_and_its_limit_is(examples):
-    for section in ("4.3", "4.4"):
+    for section in ("3.3", "3.4"):
         swept, limit = examples[section].case("area"), examples[section].case("area (limit)")
         assert swept.converged is False
         assert limit.converged is True
@@ -238,14 +258,14 @@ def test_verdicts_are_decided_by_the_conditions():
 
 
 def test_better_is_decided_by_the_measures(examples):
-    length, knupp = (examples["4.5"].case(name) for name in ("length", "Knupp"))
+    length, knupp = (examples["3.5"].case(name) for name in ("length", "Knupp"))
     assert [wins for _, wins in better(knupp, length)] == [True]
     assert [wins for _, wins in better(length, knupp)] == [False]
     assert better(knupp, knupp) == [("Knupp against Knupp: alike in every measure", False)]
 
 
 def test_spreads_of_a_uniform_grid_are_those_of_the_weight(examples):
-    start = examples["4.1"].case("first weight, start").grid
+    start = examples["3.1"].case("first weight, start").grid
     even = spreads(start, "4 + 0*x")
     assert even[PRODUCT] == pytest.approx(0, abs=1e-12)
     assert even[ROOT_PRODUCT] == pytest.approx(0, abs=1e-12)

@@ -126,7 +126,8 @@ class Weight:
             raise GridgenError(
                 f"the weight must not be negative: it is {value.min():.6g} at {where} ({i}, {j}), x = {x[i, j]:.6g}, "
                 f"y = {y[i, j]:.6g}, and where cells may fold the energy has no lower bound. Add at least "
-                f"{-value.min():.6g} to it, take its absolute value, or insist with Weight(..., allow_negative=True) (--allow-negative-weight)"
+                f"{-value.min():.6g} to it, take its absolute value, or insist with Weight(..., allow_negative=True) "
+                "(--allow-negative-weight)"
             )
         return value
 

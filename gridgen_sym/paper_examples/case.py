@@ -51,27 +51,29 @@ class Case:
 def sweep(
     label: str,
     start: Grid,
-    name: str,
+    functional: str,
     *,
     weight: Weight | None = None,
     sweeps: int = MOST_SWEEPS,
     keep_valid: bool = False,
 ) -> Case:
     """Return the grid of the paper's method: local minimization, node by node, `sweeps` times at most."""
-    result = optimize(start, name, "local", weight=weight, max_iterations=sweeps, keep_valid=keep_valid, progress=False)
-    return _case(label, result, f"{result.iterations} sweeps", energy(start, name, weight=weight))
+    result = optimize(
+        start, functional, "local", weight=weight, max_iterations=sweeps, keep_valid=keep_valid, progress=False
+    )
+    return _case(label, result, f"{result.iterations} sweeps", energy(start, functional, weight=weight))
 
 
-def limit(case: Case, name: str) -> Case:
+def limit(case: Case, functional: str) -> Case:
     """Return the minimum that the sweeps of `case` were on the way to, by Newton's method from where they stopped."""
-    result = optimize(case.grid, name, "newton", keep_valid=False, progress=False)
+    result = optimize(case.grid, functional, "newton", keep_valid=False, progress=False)
     return _case(f"{case.label} (limit)", result, f"{result.iterations} Newton steps more", case.start_energy)
 
 
-def converge(label: str, start: Grid, name: str) -> tuple[Case, ...]:
+def converge(label: str, start: Grid, functional: str) -> tuple[Case, ...]:
     """Return the grid of the paper's method and, if its sweeps were too few, also their limit."""
-    case = sweep(label, start, name)
-    return (case,) if case.converged else (case, limit(case, name))
+    case = sweep(label, start, functional)
+    return (case,) if case.converged else (case, limit(case, functional))
 
 
 def _case(label: str, result: Result, effort: str, start_energy: float | None) -> Case:

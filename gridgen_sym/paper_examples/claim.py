@@ -26,7 +26,7 @@ class Claim:
     """One claim.
 
     Attributes:
-        paper: the paper's claim, in one sentence.
+        paper: the paper's claim, in one sentence, or one that stands beside it and says that it is not the paper's.
         measured: what was measured, in one sentence.
         verdict: whether the numbers bear the claim out.
     """

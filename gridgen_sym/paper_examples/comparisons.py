@@ -1,4 +1,4 @@
-"""Sections 4.2 to 4.5: the functionals against each other, and against transfinite interpolation.
+"""Sections 3.2 to 3.5: the functionals against each other, and against transfinite interpolation.
 
 The paper gives its domains as pictures only. Here stand classical ones on which the effects show.
 """
@@ -16,12 +16,12 @@ CELLS, SWAN_CELLS = 20, 40
 
 
 def comparisons(say: Callable[[str], None]) -> Iterator[Example]:
-    """Yield the examples of Sections 4.2 to 4.5."""
+    """Yield the examples of Sections 3.2 to 3.5."""
     for title, example in (
-        ("4.2  transfinite interpolation against Winslow on the swan", _winslow),
-        ("4.3  Liao, modified Liao and area on the indented square", _liao),
-        ("4.4  length, area and Knupp on the quarter annulus", _length_area_knupp),
-        ("4.5  length against Knupp on the horseshoe", _length_knupp),
+        ("3.2  transfinite interpolation against Winslow on the swan", _winslow),
+        ("3.3  Liao, modified Liao and area on the indented square", _liao),
+        ("3.4  length, area and Knupp on the quarter annulus", _length_area_knupp),
+        ("3.5  length against Knupp on the horseshoe", _length_knupp),
     ):
         say(title)
         yield example()
@@ -32,14 +32,14 @@ def _winslow() -> Example:
     algebraic = Case("transfinite interpolation", start)
     winslow = converge("Winslow", start, "winslow")
     return Example(
-        section="4.2",
+        section="3.2",
         title="Winslow functional against the algebraic method",
         setting=_setting("swan", SWAN_CELLS),
         cases=(algebraic, *winslow),
         claims=_winslow_claims(algebraic, winslow[-1]),
         pictures=(
             _picture(
-                "4_2_winslow.png",
+                "3_2_winslow.png",
                 ("Folded grid by transfinite interpolation", algebraic),
                 ("Smooth grid by the Winslow functional", winslow[0]),
             ),
@@ -79,14 +79,14 @@ def _liao() -> Example:
     again = sweep("modified Liao, from Liao's grid", liao.grid, "modified_liao")
     area = converge("area", start, "area")
     return Example(
-        section="4.3",
+        section="3.3",
         title="Liao, modified Liao and area functionals",
         setting=_setting("indented square", CELLS),
         cases=(liao, modified, again, *area),
         claims=_liao_claims(liao, modified, again, area[-1]),
         pictures=(
             _picture(
-                "4_3_liao_area.png",
+                "3_3_liao_area.png",
                 ("Folded grid by the Liao functional", liao),
                 ("Grid by the modified Liao functional", modified),
                 ("Grid by the area functional, s = 1", area[0]),
@@ -120,7 +120,7 @@ def _length_area_knupp() -> Example:
     start = domain("quarter_annulus", CELLS + 1, CELLS + 1)
     length, area, knupp = (converge(label, start, label.lower()) for label in ("length", "area", "Knupp"))
     return Example(
-        section="4.4",
+        section="3.4",
         title="Length, area and Knupp's functionals",
         setting=_setting("quarter annulus", CELLS),
         cases=(*length, *area, *knupp),
@@ -133,7 +133,7 @@ def _length_area_knupp() -> Example:
         ),
         pictures=(
             _picture(
-                "4_4_length_area_knupp.png",
+                "3_4_length_area_knupp.png",
                 ("Grid by the length functional", length[0]),
                 ("Grid by the area functional, s = 1", area[0]),
                 ("Grid by Knupp's functional", knupp[0]),
@@ -147,14 +147,14 @@ def _length_knupp() -> Example:
     start = domain("horseshoe", CELLS + 1, CELLS + 1)
     length, knupp = (converge(label, start, label.lower()) for label in ("length", "Knupp"))
     return Example(
-        section="4.5",
+        section="3.5",
         title="Length and Knupp's functionals",
         setting=_setting("horseshoe", CELLS),
         cases=(*length, *knupp),
         claims=(decide("The grid by Knupp's functional is of superior quality.", *better(knupp[-1], length[-1])),),
         pictures=(
             _picture(
-                "4_5_length_knupp.png",
+                "3_5_length_knupp.png",
                 ("Grid by the length functional", length[0]),
                 ("Grid by Knupp's functional", knupp[0]),
             ),

@@ -49,7 +49,7 @@ class Example:
 
 
 _INTRODUCTION = """\
-# Section 4 of the paper, run again
+# Section 3 of the paper, run again
 
 S. K. Khattri, *Grid Generation and Adaptation by Functionals*. As there, each grid starts from linear transfinite
 interpolation and is found by the local method, one node at a time. J is the Jacobian at a corner of a cell, with unit
@@ -67,7 +67,7 @@ def markdown(examples: Iterable[Example]) -> str:
 
 def _markdown_section(example: Example) -> str:
     head, *body = _rows(example.cases)
-    claims = [("the paper's claim", "measured", "verdict"), *((c.paper, c.measured, c.verdict) for c in example.claims)]
+    claims = [("claim", "measured", "verdict"), *((c.paper, c.measured, c.verdict) for c in example.claims)]
     parts = [
         f"## {example.section} {example.title}",
         f"On {example.setting}.",
@@ -95,7 +95,7 @@ def text(example: Example) -> str:
         )
         lines.append("  " + "  ".join(cells).rstrip())
     for claim in example.claims:
-        lines += ["", f"  The paper: {claim.paper}", f"  Measured: {claim.measured}.", f"  The claim {claim.verdict}."]
+        lines += ["", f"  Claim: {claim.paper}", f"  Measured: {claim.measured}.", f"  The claim {claim.verdict}."]
     for note in example.notes:
         lines += ["", f"  {note}"]
     return "\n".join(lines)

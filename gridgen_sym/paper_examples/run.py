@@ -15,7 +15,7 @@ from .report import Example, markdown, text
 
 
 def run(folder: str | os.PathLike[str], say: Callable[[str], None] = print) -> tuple[Example, ...]:
-    """Run Section 4 of the paper again: write its pictures and `results.md`, and say what was found.
+    """Run Section 3 of the paper again: write its pictures and `results.md`, and say what was found.
 
     Args:
         folder: where the files go; made where it is missing. Files of the same names are replaced.
