@@ -44,10 +44,21 @@ def test_a_formula_is_adapted_to_and_reported():
 
 
 def test_every_option_reaches_the_library():
-    options = ("--monitor", "gradient", "--share", 0.5, "--smoothing", 3, "--boundary", "fixed", "-f", "area")
+    options = (
+        "--monitor",
+        "gradient",
+        "--feature-fraction",
+        0.5,
+        "--smoothing",
+        3,
+        "--boundary",
+        "fixed",
+        "-f",
+        "area",
+    )
     said = run("square", "--to", RING, "--size", 14, 14, "--steps", 2, *options, "-o", "a.npz")
     assert "NOT converged after 2 steps" in said
-    monitor = gg.Monitor("gradient", share=0.5, smoothing=3)
+    monitor = gg.Monitor("gradient", feature_fraction=0.5, smoothing=3)
     start = gg.domain("square", 15, 15)
     expected = gg.adapt(start, RING, monitor=monitor, boundary="fixed", functional="area", steps=2)
     assert gg.read("a.npz") == expected.grid
@@ -97,7 +108,7 @@ def test_values_are_the_density_itself():
         (("square", "--to", "none.csv"), "the field none.csv: it has a header and no samples"),
         (("square", "--to", "1/x"), "the solution must be finite at every node; it is inf at node (0, 0)"),
         (("square", "--to", "notzip.npz"), "the field notzip.npz: it is no whole NumPy archive"),
-        (("square", "--to", "x", "--share", "1"), "below 1; came 1.0"),
+        (("square", "--to", "x", "--feature-fraction", "1"), "below 1; came 1.0"),
         (("square", "--to", "x", "--steps", "-1"), "steps must be a whole number"),
         (("square", "--to", "x", "-f", "winslow"), "how 'winslow' places nodes"),
         (("square", "--to", "x", "-o", "a.txt"), "cannot write a.txt"),

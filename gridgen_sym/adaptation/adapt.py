@@ -3,35 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import get_args
 
+import numpy as np
 import numpy.typing as npt
 
-from ..errors import GridgenError
+from ..deprecation import renamed_argument
+from ..errors import GridgenError, quoted
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Grid, quality
+from ..grids.grid import check_grid
 from ..solvers import untangle
-from ..solvers.run.checks import fixed_mask
+from ..solvers.run.checks import check_size, check_time_limit, fixed_mask
 from ..solvers.run.deadline import Deadline, StopRequest
 from ..solvers.run.status import Outcome, StopReason
-from .checks import check_arguments
-from .law import law_of
 from .monitor import Measure, Monitor, as_monitor
 from .mover import Mover
-from .progress import Callback, Live
 from .result import AdaptResult
-from .run import Run
+from .run import Callback, Live, Run
 from .sides import Boundary, sliding_sides
 from .source import Solution, source_of
+from .weight_exponent import weight_exponent_of
 
 
+@renamed_argument("power", "weight_exponent")
 def adapt(
     grid: Grid,
     solution: Solution,
     *,
     functional: str | Functional = "area_winslow",
     monitor: Monitor | str | Measure = "curvature",
-    power: float | None = None,
+    weight_exponent: float | None = None,
     parameters: Mapping[str, float] | None = None,
     steps: int = 30,
     moves: int | None = None,
@@ -59,12 +62,13 @@ def adapt(
             lengths of its steps alone.
         monitor: what the density of nodes is made of; a `Monitor`, its name, or your own function of the grid and the
             values.
-        power: of the density that the weight must be, for functionals of your own (see the module `law`).
+        weight_exponent: the power of the density of nodes that the weight of the functional is; needed for functionals
+            of your own.
         parameters: of the functional.
         steps: at most so many steps.
         moves: of the nodes in each step, with the density interpolated between. By default 3 for a solver, 1 else.
-        damping: the share of the wanted weight in the first one (a geometric mean with that of the start), above 0
-            and at most 1; Aitken's rule chooses those of the next steps.
+        damping: how far the first step goes from the weight of the start to the one of the density, above 0 and at most
+            1, by geometric means; Aitken's rule chooses it in the next steps.
         tolerance: the grid has settled when no node moves farther in a step, over the size of the domain.
         boundary: `straight`: nodes slide along the straight stretches of every side, which changes no shape; `all`:
             along the polygon of every side, which cuts off what lies between two nodes; `fixed`: they stay. Corners
@@ -86,18 +90,48 @@ def adapt(
         Exception: whatever the callback raises. The attribute `result` of an error after the start holds the last grid
             whose solution is known.
     """
-    check_arguments(grid, steps, moves, damping, tolerance, boundary, callback, time_limit)
+    _check_arguments(grid, steps, moves, damping, tolerance, boundary, callback, time_limit)
     deadline = Deadline(time_limit)
     definition = find_functional(functional)
-    law = law_of(definition.name, power)
+    exponent = weight_exponent_of(definition.name, weight_exponent)
     source = source_of(solution, grid)
     start, note = _valid_start(grid, fixed, deadline, backend)
     sides = sliding_sides(start, boundary, fixed)
-    mover = Mover(definition, law, parameters, fixed_mask(grid, fixed), backend, damping, sides, deadline)
+    mover = Mover(definition, exponent, parameters, fixed_mask(grid, fixed), backend, damping, sides, deadline)
     run = Run(source, as_monitor(monitor), mover, start)
     with Live(f"adapt, {definition.name}", callback, progress) as live:
         outcome = run.until_ended(steps, moves or source.moves, tolerance, live)
     return run.result(Outcome(outcome.status, note + outcome.message))
+
+
+def _check_arguments(
+    grid: Grid,
+    steps: int,
+    moves: int | None,
+    damping: float,
+    tolerance: float,
+    boundary: str,
+    callback: Callback | None,
+    time_limit: float | None,
+) -> None:
+    """Refuse arguments out of their range.
+
+    Raises:
+        GridgenError: naming the argument, its range and what came.
+    """
+    check_grid(grid)
+    check_size(grid)
+    for name, count, least in (("steps", steps, 0), ("moves", moves, 1)):
+        if count is not None and (not isinstance(count, (int, np.integer)) or count < least):
+            raise GridgenError(f"{name} must be a whole number, at least {least}; came {quoted(count)}")
+    for name, number in (("damping", damping), ("tolerance", tolerance)):
+        if not isinstance(number, (int, float, np.number)) or not 0 < number <= 1:
+            raise GridgenError(f"{name} must be a number above 0 and at most 1; came {quoted(number)}")
+    if boundary not in get_args(Boundary):
+        raise GridgenError(f"unknown boundary {quoted(boundary)}: it is one of {', '.join(get_args(Boundary))}")
+    if callback is not None and not callable(callback):
+        raise GridgenError(f"callback must be a function of one AdaptStep; came {quoted(callback)}")
+    check_time_limit(time_limit)
 
 
 def _valid_start(grid: Grid, fixed: npt.ArrayLike | None, deadline: Deadline, backend: str | None) -> tuple[Grid, str]:

@@ -1,10 +1,9 @@
-"""Monitor functions: from a solution on a grid to the density of nodes that it deserves.
+"""Monitor functions: from a solution on a grid to a density of nodes.
 
 A monitor first measures the features of the solution at every node, m >= 0, and then makes a density of it, which is 1
-where there are none. The intensity alpha follows from the share of the nodes that features are to have, the one knob
-(W. Huang and R. D. Russell, *Adaptive Moving Mesh Methods*, Springer 2011, choose it so that about half of the nodes go
-there): (the integral of density - 1)/(the integral of density) = share. So it needs no unit, and no tuning when the
-solution is scaled.
+where there are none. The intensity alpha follows from the one parameter, the fraction of the nodes that features are to
+have: (the integral of density - 1)/(the integral of density) = feature_fraction. So it has no unit, and needs no tuning
+when the solution is scaled. W. Huang and R. D. Russell, *Adaptive Moving Mesh Methods*, Springer 2011, take about 1/2.
 
 | name | m | density | source |
 | --- | --- | --- | --- |
@@ -13,7 +12,7 @@ solution is scaled.
 | `curvature` | (a max(b, c^(4/5) a^(1/5)))^(1/3) | 1 + alpha m | Huang and Russell 2011: best for the L2 error |
 | `recovery_error` | eta^(2/3)/J | 1 + alpha m | equidistributes Zienkiewicz and Zhu's indicator |
 | `hierarchical_error` | eta^(2/5)/J | 1 + alpha m | equidistributes the hierarchical indicator |
-| `values` | u | u | the density itself, given by the user; no share |
+| `values` | u | u | the density itself, given by the user; no alpha |
 
 Gradient and Hessian are recovered from nodal values; a >= b are the absolute values of the Hessian's eigenvalues. The
 L2 error of linear interpolation is smallest for the density (a b)^(1/3): a^(2/3) where features are round, such as the
@@ -25,6 +24,7 @@ linear interpolation is h² u''/8, that of its gradient h u''/2, and eta, a norm
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -85,36 +85,60 @@ _MEASURES: dict[str, Measure] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class Monitor:
     """How the density of nodes follows from a solution; the module's docstring has the formulas.
 
     Attributes:
         measure: a name (`gradient`, `arc_length`, `curvature`, `recovery_error`, `hierarchical_error`, `values`), or
             your own function of the grid and the nodal values (ni, nj) that returns m >= 0, (ni, nj).
-        share: the share of the nodes that features are to have, at least 0 and below 1; not used by `values`.
+        feature_fraction: the fraction of the nodes that features are to have, at least 0 and below 1; not used by
+            `values`.
         smoothing: how often the density is averaged over 3 x 3 nodes with binomial weights, in the logical square:
             cells grow more gently, and the adaptation settles sooner. After n passes a jump is about 2 sqrt(n) wide.
     """
 
-    measure: str | Measure = "curvature"
-    share: float = 0.75
-    smoothing: int = 2
+    measure: str | Measure
+    feature_fraction: float
+    smoothing: int
 
-    def __post_init__(self) -> None:
-        """Check the arguments."""
-        if not callable(self.measure) and self.measure not in _MEASURES:
+    def __init__(
+        self,
+        measure: str | Measure = "curvature",
+        feature_fraction: float = 0.75,
+        smoothing: int = 2,
+        *,
+        share: float | None = None,
+    ) -> None:
+        """Check the arguments; `share` is the old name of `feature_fraction`.
+
+        Raises:
+            GridgenError: for an unknown measure, or numbers out of their range.
+        """
+        if share is not None:
+            text = "Monitor(share=...) is deprecated: the argument is called feature_fraction"
+            warnings.warn(text, DeprecationWarning, stacklevel=2)
+            feature_fraction = share
+        if not callable(measure) and measure not in _MEASURES:
             raise GridgenError(
-                f"unknown monitor {quoted(self.measure)}; known: {', '.join(_MEASURES)}, or your own function of the "
-                "grid and the nodal values"
+                f"unknown monitor {quoted(measure)}; known: {', '.join(_MEASURES)}, or your own function of the grid "
+                "and the nodal values"
             )
-        if not isinstance(self.share, (int, float, np.number)) or not 0 <= self.share < 1:
+        if not isinstance(feature_fraction, (int, float, np.number)) or not 0 <= feature_fraction < 1:
             raise GridgenError(
-                "share is that of the nodes that features are to have, at least 0 and below 1; came "
-                f"{quoted(self.share)}"
+                "feature_fraction is the fraction of the nodes that features are to have, at least 0 and below 1; came "
+                f"{quoted(feature_fraction)}"
             )
-        if not isinstance(self.smoothing, (int, np.integer)) or self.smoothing < 0:
-            raise GridgenError(f"smoothing is a number of passes, not negative; came {quoted(self.smoothing)}")
+        if not isinstance(smoothing, (int, np.integer)) or smoothing < 0:
+            raise GridgenError(f"smoothing is a number of passes, not negative; came {quoted(smoothing)}")
+        for name, value in (("measure", measure), ("feature_fraction", feature_fraction), ("smoothing", smoothing)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def share(self) -> float:
+        """The old name of `feature_fraction`; deprecated."""
+        warnings.warn("Monitor.share is deprecated: it is called feature_fraction", DeprecationWarning, stacklevel=2)
+        return self.feature_fraction
 
     @property
     def name(self) -> str:
@@ -138,14 +162,14 @@ class Monitor:
         return smoothed(self._intensified(grid, m), self.smoothing)
 
     def _intensified(self, grid: Grid, m: Array) -> Array:
-        """Return the density whose excess over 1 has the share of the integral that is wanted."""
+        """Return the density whose excess over 1 is `feature_fraction` of its integral."""
         if not m.any():  # Nothing to adapt to.
             return np.ones_like(m)
         m = m / _mean(grid, m)
         if self.measure != "arc_length":
-            return 1 + self.share / (1 - self.share) * m
+            return 1 + self.feature_fraction / (1 - self.feature_fraction) * m
         # For alpha -> infinity the mean is that of sqrt(alpha) m; it grows with alpha.
-        wanted = 1 / (1 - self.share)
+        wanted = 1 / (1 - self.feature_fraction)
         low, high = 0.0, wanted**2
         for _ in range(_BISECTIONS):
             middle = (low + high) / 2

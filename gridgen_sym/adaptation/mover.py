@@ -1,10 +1,10 @@
-"""Move nodes toward a density: the boundary slides, and the functional is minimized with a damped weight.
+"""Move nodes towards a density: the boundary slides, and the functional is minimized with a damped weight.
 
-It is the weight that is damped, by geometric means of the last one and the one that is wanted, and not the way of the
-nodes: every grid is then a minimum of the functional, as valid as its barrier makes it, where the mean of two valid
-grids may be folded. How much is taken follows from the last two steps by Aitken's rule (B. M. Irons and R. C. Tuck, "A
-version of the Aitken accelerator for computer iteration", 1969; U. Küttler and W. A. Wall 2008 for fields): more than
-the first share where steps agree, less where they turn back.
+The weight is damped, by geometric means of the last one and the one of the density, and not the displacement of the
+nodes: every grid is then a minimum of the functional, as valid as its barrier makes it, while the mean of two valid
+grids may be folded. The damping follows from the last two steps by Aitken's rule (B. M. Irons and R. C. Tuck, "A
+version of the Aitken accelerator for computer iteration", 1969; U. Küttler and W. A. Wall 2008 for fields): it grows
+where steps agree, and falls where they turn back.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from ..grids import Grid
 from ..solvers import optimize
 from ..solvers.run.deadline import Deadline
 from .equidistribution import cell_areas
-from .law import weight_values
 from .sides import Side, slide
+from .weight_exponent import WeightExponent, weight_values
 
-#: How well a grid is solved for a weight that will change, and with how many Newton steps at most.
+#: The tolerance and the most Newton steps of one minimization: the weight changes after it, so that more is wasted.
 _INNER_TOLERANCE, _INNER_STEPS = 1e-2, 30
-#: Between these Aitken's rule chooses the damping: above 1 the weight goes farther than is wanted.
+#: Aitken's rule chooses the damping between these; above 1 the weight is extrapolated.
 _LEAST_DAMPING, _MOST_DAMPING = 0.1, 2.0
 
 
@@ -37,20 +37,20 @@ class Mover:
 
     Attributes:
         functional: what is minimized.
-        law: the power of the density that its weight is, and the degree of what that multiplies.
+        weight_exponent: of the functional.
         parameters: of the functional.
         fixed: mask of the nodes that do not move.
         backend: `c`, `numpy` or the default.
-        damping: the share of what is wanted in the next weight; the first one is given, others follow.
+        damping: how far the next weight goes to the one of the density; the first one is given, others follow.
         sides: where boundary nodes slide.
         deadline: of the adaptation.
         weight: the last weight (ni, nj); at first that under which the start is equidistributed.
-        trouble: why the last minimization stopped early, or nothing.
-        lack: (ni, nj), the logarithm of what was wanted over the weight before, in the last move.
+        failure: why the last minimization did not converge, or nothing.
+        residual: (ni, nj), of the last move: the logarithm of the density's weight over the weight before.
     """
 
     functional: Functional
-    law: tuple[float, float]
+    weight_exponent: WeightExponent
     parameters: Mapping[str, float] | None
     fixed: Mask
     backend: str | None
@@ -58,8 +58,8 @@ class Mover:
     sides: list[Side]
     deadline: Deadline = field(default_factory=Deadline)
     weight: Array | None = None
-    trouble: str = ""
-    lack: Array | None = None
+    failure: str = ""
+    residual: Array | None = None
 
     def toward(self, grid: Grid, density: Array, moves: int) -> Grid:
         """Return the grid after some moves toward the density (ni, nj) at its nodes; interpolated between moves.
@@ -76,11 +76,11 @@ class Mover:
 
     def _move(self, start: Grid, density: Array) -> Grid:
         if self.weight is None:
-            self.weight = weight_values(nodal(1 / cell_areas(start)), start, self.law)
+            self.weight = weight_values(nodal(1 / cell_areas(start)), start, self.weight_exponent)
         grid = slide(self.sides, start, density, self.fixed, min(self.damping, 1.0))
-        lack = np.log(weight_values(density, grid, self.law) / self.weight)
-        self._choose_damping(lack)
-        self.weight = self.weight * np.exp(self.damping * lack)
+        residual = np.log(weight_values(density, grid, self.weight_exponent) / self.weight)
+        self._choose_damping(residual)
+        self.weight = self.weight * np.exp(self.damping * residual)
         solved = optimize(
             grid,
             self.functional,
@@ -96,21 +96,21 @@ class Mover:
         if solved.interrupted:
             self.deadline.check()
             raise KeyboardInterrupt
-        self.trouble = "" if solved.converged else solved.message
+        self.failure = "" if solved.converged else solved.message
         return solved.grid
 
-    def _choose_damping(self, lack: Array) -> None:
-        """Set the share that would have left the least of the lack, had the last move taken it."""
-        if self.lack is not None:
-            change = lack - self.lack
+    def _choose_damping(self, residual: Array) -> None:
+        """Set the damping with which the last move would have left the smallest residual."""
+        if self.residual is not None:
+            change = residual - self.residual
             size = float((change**2).sum())
             if size > 0:
-                best = -self.damping * float((self.lack * change).sum()) / size
+                best = -self.damping * float((self.residual * change).sum()) / size
                 self.damping = float(np.clip(best, min(_LEAST_DAMPING, self.damping), _MOST_DAMPING))
-        self.lack = lack
+        self.residual = residual
 
 
 def movement(one: Grid, other: Grid) -> float:
-    """Return the farthest way of a node from one grid to another, over the size of the first."""
+    """Return the largest distance between a node of one grid and of another, over the size of the first."""
     size = max(float(np.ptp(one.x)), float(np.ptp(one.y)))
     return float(np.hypot(*(other.planes - one.planes)).max()) / size

@@ -34,7 +34,7 @@ def recover_hessian(grid: Grid, values: npt.ArrayLike) -> Array:
     """Return the recovered second derivatives (3, ni, nj) of nodal values: u_xx, u_xy and u_yy.
 
     The gradient is recovered twice, the mixed derivatives are averaged, and the boundary has the values of its inner
-    neighbors, because differences of one-sided differences tell nothing there.
+    neighbors, because differences of one-sided differences are not consistent there.
 
     Raises:
         GridgenError: as for `recover_gradient`.

@@ -17,12 +17,12 @@ class AdaptStep:
 
     Attributes:
         step: 0 is the start.
-        movement: the farthest way of a node in this step, over the size of the domain; 0 at the start.
+        movement: the largest distance that a node has moved in this step, over the size of the domain; 0 at the start.
         error: estimated L2 error of bilinear interpolation of the solution (see `hierarchical_error`).
         spread: standard deviation over mean of the density of nodes times the cells' areas; 0 where it is
             equidistributed.
         min_jacobian: the smallest Jacobian at any corner of any cell.
-        damping: the share of the wanted weight in the one that was used; above 1 where it was gone beyond.
+        damping: how far the weight went to the one of the density; above 1 where it was extrapolated.
     """
 
     step: int

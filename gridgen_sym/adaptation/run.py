@@ -1,7 +1,8 @@
-"""The loop of an adaptation: its state, and how it ends."""
+"""The loop of an adaptation: its state, its progress, and how it ends."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,17 +11,44 @@ from ..arrays import Array
 from ..fields.sampled import SampledField, grid_field
 from ..grids import Grid, quality
 from ..solvers.run.deadline import StopRequest
-from ..solvers.run.status import Outcome, Status
+from ..solvers.run.live import LiveLine
+from ..solvers.run.status import Outcome, Status, StopReason
 from .equidistribution import cell_areas, cell_means, variation
 from .error_estimate import hierarchical_error
 from .monitor import Monitor
 from .mover import Mover, movement
-from .progress import Live
 from .result import AdaptResult, AdaptStep
 from .source import Source
 
 #: Monitors to be tried where another one made the grid worse.
 _ADVISED = ("curvature", "recovery_error")
+
+Callback = Callable[[AdaptStep], None]
+
+
+class Live(LiveLine):
+    """Hands steps on to a callback, and shows them."""
+
+    def __init__(self, title: str, callback: Callback | None, show: bool | None) -> None:
+        """Begin; `show` is by default whether standard error is a terminal."""
+        super().__init__(title, show)
+        self._callback = callback
+
+    def report(self, step: AdaptStep) -> None:
+        """Report a step to the callback, and show it.
+
+        Raises:
+            StopRequest: if the callback asks for it.
+        """
+        if self._callback is not None:
+            try:
+                self._callback(step)
+            except StopIteration:
+                raise StopRequest(StopReason.CALLBACK, "the callback stopped it") from None
+        self.display(
+            f"step {step.step}, movement {step.movement:.1e}, estimated error {step.error:.2e}, "
+            f"spread {step.spread:.2f}, smallest J {step.min_jacobian:.1e}"
+        )
 
 
 @dataclass(slots=True)
@@ -57,27 +85,27 @@ class Run:
 
     def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> Outcome:
         """Adapt until nothing moves, for so many steps at most."""
-        live.report(self._take(self.start, 0.0))
+        live.report(self._solve_on(self.start, 0.0))
         if not steps:
             return Outcome(Status.ITERATION_LIMIT, "no step was allowed: this is the start.")
         for _ in range(steps):
             moved = self.mover.toward(self.grid, self.density, moves)
             distance = movement(self.grid, moved)
-            live.report(self._take(moved, distance))
+            live.report(self._solve_on(moved, distance))
             if distance <= tolerance:
                 return self._settled(distance)
         return Outcome(
             Status.ITERATION_LIMIT,
             f"the grid has not settled in {steps} steps: the last one moved a node by "
             f"{self.history[-1].movement:.1e}, more than {tolerance:.1e} of the domain's size. Allow more steps, a "
-            "smaller share or more smoothing.",
+            "smaller feature_fraction or more smoothing.",
         )
 
     def _settled(self, distance: float) -> Outcome:
         """Return the outcome for a grid whose nodes no longer move: that can mean that they cannot."""
-        if self.mover.trouble:
+        if self.mover.failure:
             name = self.mover.functional.name
-            why = f"nodes move no farther, but {name} is not minimised: {self.mover.trouble}"
+            why = f"nodes move no farther, but {name} is not minimised: {self.mover.failure}"
             return Outcome(Status.STALLED, why)
         message = f"the grid has settled: its last step moved no node by more than {distance:.1e}."
         if not self._estimates or self.history[-1].error <= self.history[0].error:
@@ -95,7 +123,7 @@ class Run:
         """Whether the history holds estimates of an error: of a density that is given there is none."""
         return self.monitor.measure != "values"
 
-    def _take(self, grid: Grid, way: float) -> AdaptStep:
+    def _solve_on(self, grid: Grid, distance: float) -> AdaptStep:
         """Solve on a grid and make it the present one."""
         values = self.source.on(grid, len(self.history))
         if self.carried is not None:
@@ -108,7 +136,7 @@ class Run:
         self.grid, self.values, self.density = grid, values, density
         step = AdaptStep(
             step=len(self.history),
-            movement=way,
+            movement=distance,
             error=float(np.linalg.norm(hierarchical_error(grid, values))),
             spread=variation(cell_means(density) * cell_areas(grid)),
             min_jacobian=quality(grid).min_jacobian,

@@ -36,8 +36,8 @@ class Side:
     Attributes:
         place: indices of its nodes.
         polygon: (2, n), the nodes of the start.
-        length: (n,), the way along the polygon to each of its points.
-        at: (n,), the way along the polygon to each node.
+        length: (n,), the arc length of each of its points.
+        at: (n,), the arc length of each node.
     """
 
     place: Any
@@ -46,7 +46,7 @@ class Side:
     at: Array
 
     def nodes(self, at: Array) -> Array:
-        """Return the points (2, n) at ways along the polygon."""
+        """Return the points (2, n) at arc lengths of the polygon."""
         return np.stack([np.interp(at, self.length, plane) for plane in self.polygon])
 
     def wanted(self, density: Array) -> Array:

@@ -30,7 +30,8 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
     show_default=True,
     help="What nodes are drawn to; 'values' takes FIELD for the density of nodes.",
 )
-@click.option("--share", type=number, help="Share of the nodes that features get.  [default: 0.75]")
+@click.option("--feature-fraction", type=number, help="Fraction of the nodes that features get.  [default: 0.75]")
+@click.option("--share", type=number, hidden=True, help="The old name of --feature-fraction.")
 @click.option("--smoothing", type=integer, help="Passes of the average of the density.  [default: 2]")
 @click.option("--steps", type=integer, help="At most so many steps.  [default: 30]")
 @click.option(
@@ -52,6 +53,7 @@ def adapt(
     input: str,
     to: str,
     monitor: str,
+    feature_fraction: float | None,
     share: float | None,
     smoothing: int | None,
     parameters: tuple[str, ...],
@@ -73,7 +75,9 @@ def adapt(
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
         options["progress"] = False
     check_outputs(output, plot)
-    knobs = {name: value for name, value in (("share", share), ("smoothing", smoothing)) if value is not None}
+    fraction = share if feature_fraction is None else feature_fraction
+    given_to_monitor = {"feature_fraction": fraction, "smoothing": smoothing}
+    knobs = {name: value for name, value in given_to_monitor.items() if value is not None}
     chosen = Monitor(monitor, **knobs)  # type: ignore[arg-type]
     field = field_of(to, smooth=monitor != "values")
     boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "reorient")}

@@ -86,7 +86,11 @@ def test_solutions_that_cannot_be_used_are_refused(solution, match):
     ("size", "options", "match"),
     [
         (1e-29, {}, r"cells have a mean area of 1.56e-60, .* overflows: scale the grid to a size of about 1"),
-        (1.0, {"power": 2000}, r"is 0.\d+ to [1-9][.\d]* of its mean, and its power 2000, .*: take another power"),
+        (
+            1.0,
+            {"weight_exponent": 2000},
+            r"is 0.\d+ to [1-9][.\d]* of its mean, and its power 2000, .*: take another exponent",
+        ),
     ],
 )
 def test_a_weight_that_overflows_is_laid_to_what_was_given(size, options, match):

@@ -41,6 +41,15 @@ def test_given_nodal_values_take_the_functions_place():
     assert gg.interpolation_error(SQUARE, "0", np.ones((11, 11))) == pytest.approx(1)
 
 
+def test_more_points_see_more():
+    """The square of the error of x**8 has the degree 16 along x: 9 Gauss points are exact, 2 are not."""
+    exact = gg.interpolation_error(SQUARE, "x**8", points=9)
+    assert gg.interpolation_error(SQUARE, "x**8", points=20) == pytest.approx(exact, rel=1e-10)
+    assert gg.interpolation_error(SQUARE, "x**8", points=2) != pytest.approx(exact, rel=1e-3)
+    with pytest.raises(gg.GridgenError, match="whole number of Gauss points, at least 1; came 0"):
+        gg.interpolation_error(SQUARE, "x", points=0)
+
+
 def test_a_sympy_expression_is_a_function():
     import sympy
 

@@ -1,4 +1,4 @@
-"""Monitors: formula by formula, the share that they promise, smoothing; spreads; values carried to another grid."""
+"""Monitors: their formulas, the fraction of nodes that they promise, smoothing; spreads; values carried to a grid."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def integral(grid, field):
 
 
 @pytest.mark.parametrize("measure", MEASURES)
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.5, 0.9])
-def test_features_get_their_share(measure, share):
-    density = gg.Monitor(measure, share=share, smoothing=0).density(SQUARE, two_scales(*SQUARE.planes))
+@pytest.mark.parametrize("fraction", [0.0, 0.3, 0.5, 0.9])
+def test_features_get_their_fraction_of_the_nodes(measure, fraction):
+    density = gg.Monitor(measure, feature_fraction=fraction, smoothing=0).density(SQUARE, two_scales(*SQUARE.planes))
     total = integral(SQUARE, density)
-    assert (total - integral(SQUARE, np.ones((33, 33)))) / total == pytest.approx(share, abs=1e-9)
+    assert (total - integral(SQUARE, np.ones((33, 33)))) / total == pytest.approx(fraction, abs=1e-9)
     assert density.min() >= 1 - 1e-12
 
 
@@ -52,7 +52,9 @@ def test_formulas(stretched):
     """u = x³/6: slopes and second derivatives are known, and the errors that follow; the width of cells has no part."""
     x = SQUARE.x + stretched * np.sin(2 * np.pi * SQUARE.x)
     grid = gg.Grid.from_planes(x, SQUARE.y)
-    found = {name: gg.Monitor(name, share=0.5, smoothing=0).density(grid, x**3 / 6)[4:-4] for name in MEASURES}
+    found = {
+        name: gg.Monitor(name, feature_fraction=0.5, smoothing=0).density(grid, x**3 / 6)[4:-4] for name in MEASURES
+    }
     slope, inside = x[4:-4] ** 2 / 2, x[4:-4]
     same_but_for_intensity(found["gradient"], slope)
     same_but_for_intensity(found["arc_length"] ** 2, slope**2)
@@ -64,14 +66,16 @@ def test_formulas(stretched):
 @pytest.mark.parametrize(("measure", "power"), [("gradient", 1), ("arc_length", 2)])
 def test_slopes_have_two_components(measure, power):
     inside = SQUARE.planes[:, 4:-4, 4:-4]
-    density = gg.Monitor(measure, share=0.5, smoothing=0).density(SQUARE, SQUARE.x**2 / 2 + SQUARE.y**2)[4:-4, 4:-4]
+    density = gg.Monitor(measure, feature_fraction=0.5, smoothing=0).density(SQUARE, SQUARE.x**2 / 2 + SQUARE.y**2)[
+        4:-4, 4:-4
+    ]
     same_but_for_intensity(density**power, np.hypot(inside[0], 2 * inside[1]) ** power)
 
 
 def test_curvature_is_that_of_both_principal_directions():
     """u = x³/6 + x y² has the Hessian ((x, 2y), (2y, 2x)); c is set by the mean over the domain."""
     u = SQUARE.x**3 / 6 + SQUARE.x * SQUARE.y**2
-    density = gg.Monitor("curvature", share=0.5, smoothing=0).density(SQUARE, u)[4:-4, 4:-4]
+    density = gg.Monitor("curvature", feature_fraction=0.5, smoothing=0).density(SQUARE, u)[4:-4, 4:-4]
     x, y = SQUARE.planes
     hessian = np.stack((np.stack((x, 2 * y), axis=-1), np.stack((2 * y, 2 * x), axis=-1)), axis=-2)
     small, large = np.sort(np.abs(np.linalg.eigvalsh(hessian)), axis=-1).transpose(2, 0, 1)
@@ -102,7 +106,7 @@ def test_values_are_the_density_itself():
 
 
 def test_your_own_measure():
-    own = gg.Monitor(lambda grid, values: np.abs(values), share=0.5, smoothing=0)
+    own = gg.Monitor(lambda grid, values: np.abs(values), feature_fraction=0.5, smoothing=0)
     np.testing.assert_allclose(own.density(SQUARE, -SQUARE.x), 1 + 2 * SQUARE.x, rtol=1e-12)
 
 
@@ -139,9 +143,9 @@ def test_smoothing_keeps_constants_and_the_mean_and_widens_peaks():
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        ({"share": 1.0}, "below 1; came 1.0"),
-        ({"share": -0.1}, "at least 0"),
-        ({"share": "half"}, "came 'half'"),
+        ({"feature_fraction": 1.0}, "below 1; came 1.0"),
+        ({"feature_fraction": -0.1}, "at least 0"),
+        ({"feature_fraction": "half"}, "came 'half'"),
         ({"smoothing": -1}, "not negative; came -1"),
         ({"smoothing": 1.5}, "number of passes"),
         ({"measure": "curve"}, "unknown monitor 'curve'"),
@@ -204,3 +208,11 @@ def test_transfer_does_not_overshoot_and_the_smooth_one_is_more_accurate():
     assert smooth < plain / 5 < 0.001
     with pytest.raises(gg.GridgenError, match=r"shape \(33, 33\); came \(3,\)"):
         gg.transfer(SQUARE, np.ones(3), fine)
+
+
+def test_the_old_name_of_the_fraction_warns_and_works():
+    with pytest.warns(DeprecationWarning, match=r"share=.*feature_fraction"):
+        old = gg.Monitor("gradient", share=0.4)
+    assert old == gg.Monitor("gradient", feature_fraction=0.4) == gg.Monitor("gradient", 0.4)
+    with pytest.warns(DeprecationWarning, match="called feature_fraction"):
+        assert old.share == 0.4

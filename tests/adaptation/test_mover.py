@@ -1,4 +1,4 @@
-"""How nodes are moved: without a folded cell, so often in each step, and by a share that Aitken's rule chooses."""
+"""How nodes are moved: without a folded cell, so often in each step, and by a damping that Aitken's rule chooses."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ import pytest
 
 import gridgen_sym as gg
 from gridgen_sym.adaptation.mover import Mover, movement
+from gridgen_sym.adaptation.weight_exponent import WeightExponent
 
 from .conftest import front, ring, square, two_scales
 
 
 def test_every_grid_on_the_way_is_valid_also_with_too_much_asked_of_it():
     smallest = []
-    monitor = gg.Monitor("gradient", share=0.99, smoothing=0)
+    monitor = gg.Monitor("gradient", feature_fraction=0.99, smoothing=0)
     result = gg.adapt(
         square(),
         front,
@@ -80,7 +81,7 @@ def test_a_front_through_two_corners_settles_soon(nodes):
     assert min(dampings) < 0.5 < max(dampings)
 
 
-def test_the_share_of_a_step_is_chosen_anew():
+def test_the_damping_of_a_step_is_chosen_anew():
     shares = [step.damping for step in gg.adapt(square(17), ring, steps=4, damping=0.4).history]
     assert shares[:2] == [0.4, 0.4]
     assert len(set(shares[1:])) == 4
@@ -90,13 +91,13 @@ def test_the_share_of_a_step_is_chosen_anew():
     ("damping", "rest", "expected"),
     [(0.5, 0.5, 1.0), (0.5, 1.0, 0.5), (0.5, -10.0, 0.1), (0.05, -10.0, 0.05), (0.9, 0.7, 2.0)],
 )
-def test_the_share_is_that_which_would_have_left_nothing(damping, rest, expected):
+def test_the_damping_is_that_which_would_have_left_nothing(damping, rest, expected):
     """Of a move that leaves a part of the lack; within bounds, and the same as before where it has changed nothing."""
     fixed = np.ones((5, 5), dtype=np.uint8)
-    mover = Mover(gg.functional("area_winslow"), (1, 2), None, fixed, None, damping, [])
-    lack = 1e-3 * np.random.default_rng(0).normal(size=(5, 5))
-    mover._choose_damping(lack)
-    mover._choose_damping(rest * lack)
+    mover = Mover(gg.functional("area_winslow"), WeightExponent(1, 2), None, fixed, None, damping, [])
+    residual = 1e-3 * np.random.default_rng(0).normal(size=(5, 5))
+    mover._choose_damping(residual)
+    mover._choose_damping(rest * residual)
     assert mover.damping == pytest.approx(expected)
 
 

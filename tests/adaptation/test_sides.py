@@ -74,18 +74,18 @@ def test_fixed_inner_nodes_stay_and_hold_their_side():
     assert not np.array_equal(result.grid.xy[:, 0], square(21).xy[:, 0])
 
 
-def test_boundary_nodes_never_go_beyond_what_is_wanted(monkeypatch):
-    """The weight may: Aitken's rule takes up to twice the share."""
-    shares = []
+def test_boundary_nodes_never_go_beyond_their_targets(monkeypatch):
+    """The weight may: Aitken's rule takes a damping of up to 2."""
+    dampings = []
 
     def recorded(sides, grid, density, fixed, damping):
-        shares.append(damping)
+        dampings.append(damping)
         return slide(sides, grid, density, fixed, damping)
 
     monkeypatch.setattr("gridgen_sym.adaptation.mover.slide", recorded)
     result = gg.adapt(square(17), "tanh(10*(x + y - 1))", steps=8, damping=0.5)
     assert max(step.damping for step in result.history) > 1
-    assert max(shares) == 1
+    assert max(dampings) == 1
 
 
 def test_curved_domains_keep_their_shape():

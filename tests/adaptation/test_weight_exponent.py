@@ -7,7 +7,7 @@ import pytest
 from support_solvers import farthest
 
 import gridgen_sym as gg
-from gridgen_sym.adaptation.law import law_of, weight_values
+from gridgen_sym.adaptation.weight_exponent import weight_exponent_of, weight_values
 
 from .conftest import SHARP, interpolation_error, ring, square
 
@@ -22,7 +22,7 @@ def test_the_density_is_equidistributed(name):
     assert result.history[-1].spread == pytest.approx(result.after.weight.variation)
 
 
-def test_weights_of_laws_and_of_ones_own_power():
+def test_weights_of_known_exponents_and_of_ones_own():
     """Where the cells' areas are a, and the density over its mean r: r^p/a^q, and r^p for a power that is given."""
     grid = gg.Grid(0.5 * square(5).xy)
     area, density = 0.5**2 / 16, np.full((5, 5), 3.0)
@@ -32,14 +32,16 @@ def test_weights_of_laws_and_of_ones_own_power():
         ("length", None, density / 4 / area),
         ("mine", 0.5, np.sqrt(density / 4)),
     ):
-        np.testing.assert_allclose(weight_values(density, grid, law_of(name, power)), expected, rtol=1e-12)
+        np.testing.assert_allclose(weight_values(density, grid, weight_exponent_of(name, power)), expected, rtol=1e-12)
 
 
-def test_a_functional_of_ones_own_needs_its_power():
+def test_a_functional_of_ones_own_needs_its_exponent():
     own = gg.define("own_adaptive", lambda m: m.s * (m.g11 + m.g22) + 1e-7 / m.J, replace=True)
     with pytest.raises(gg.GridgenError, match="how 'own_adaptive' places nodes with a weight is not known"):
         gg.adapt(square(17), ring, functional=own)
-    result = gg.adapt(square(), ring, functional=own, power=1, steps=5)
+    result = gg.adapt(square(), ring, functional=own, weight_exponent=1, steps=5)
+    with pytest.warns(DeprecationWarning, match=r"power=.*weight_exponent"):
+        assert gg.adapt(square(), ring, functional=own, power=1, steps=5).grid == result.grid
     assert result.quality.valid
     assert interpolation_error(result.grid, ring) < 0.5 * interpolation_error(square(), ring)
 

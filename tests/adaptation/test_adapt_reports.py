@@ -1,4 +1,4 @@
-"""What an adaptation says: of every step, of how it ended, and of what the user must know."""
+"""What an adaptation reports: of every step, of how it ended, and of what the user must know."""
 
 from __future__ import annotations
 
