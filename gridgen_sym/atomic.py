@@ -1,4 +1,4 @@
-"""Whole files or none: reading and writing bytes, with errors that say what to do."""
+"""Whole files or none: reading and writing bytes, with errors that name the repair."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _replace(target: Path, data: bytes, mode: int | None, old: os.stat_result | 
     """Write a new file beside `target` and rename it over that; `old` is what is known of the present one."""
     temporary = target.parent / f".gridgen-{os.getpid()}-{secrets.token_hex(6)}.tmp"
     try:
-        # Not tempfile: its files are closed to everyone else, whatever the user's umask says.
+        # Not tempfile: its files are closed to everyone else, whatever the user's umask is.
         with temporary.open("xb") as stream:
             _set_permissions(stream, mode, old)
             stream.write(data)

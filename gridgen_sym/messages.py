@@ -1,21 +1,21 @@
-"""Tell the user what is going on, on standard error, without getting in the way of programs."""
+"""Report to the user what is going on, on standard error, without getting in the way of programs."""
 
 from __future__ import annotations
 
 import os
 import sys
 
-_said: set[str] = set()
+_reported: set[str] = set()
 
 
-def say(message: str) -> None:
+def report(message: str) -> None:
     """Print one line to standard error, unless GRIDGEN_SYM_QUIET is set."""
     if not os.environ.get("GRIDGEN_SYM_QUIET"):
         print(f"gridgen_sym: {message}", file=sys.stderr, flush=True)
 
 
-def say_once(message: str) -> None:
+def report_once(message: str) -> None:
     """Print a line at most once per process."""
-    if message not in _said:
-        _said.add(message)
-        say(message)
+    if message not in _reported:
+        _reported.add(message)
+        report(message)

@@ -51,7 +51,7 @@ def domain(name: str, ni: int, nj: int, **parameters: float) -> Grid:
         **parameters: numbers that the domain takes, such as ``R=4.5`` of 'horseshoe_map'.
 
     Raises:
-        GridgenError: for an unknown name (the closest ones are told), a parameter that the domain has not, or
+        GridgenError: for an unknown name (with the closest ones), a parameter that the domain has not, or
             too few nodes.
     """
     maker = _find(name).sides

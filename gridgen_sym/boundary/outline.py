@@ -14,7 +14,7 @@ from ..arrays import Array
 from ..atomic import read_bytes, write_bytes
 from ..errors import GridgenError
 from ..grids.grid import Grid, check_counts
-from ..messages import say
+from ..messages import report
 from .corners import CornerChoice, Corners, automatic_corners
 from .outline_checks import checked_corners, checked_points, crossing_text, run_backwards
 from .outline_file import parse_outline
@@ -56,7 +56,7 @@ class Outline:
 
         Args:
             points: shape (N, 2), N >= 4, finite, no two in succession equal, not crossing itself. Copies of the first
-                point at the end, by which many programs say that a curve is closed, are left out.
+                point at the end, by which many programs mark a closed curve, are left out.
             corners: four indices in the order of the points; or N marks, 1 at the four corners and 0 elsewhere, as
                 pygridgen's `beta`; or 'auto': the best four for a square of cells, see `choose_corners`. The points
                 are rolled so that the first corner comes first. Indices and marks of copies of the first point are
@@ -81,7 +81,7 @@ class Outline:
         if clockwise:
             array, checked = run_backwards(array, checked)
             ways = "" if automatic else " from corner 1: bottom and top stay, left and right are exchanged"
-            say(f"the outline '{name}' runs clockwise, and is taken backwards{ways}")
+            report(f"the outline '{name}' runs clockwise, and is taken backwards{ways}")
         if automatic:
             array, checked = rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
         array.setflags(write=False)
@@ -194,7 +194,7 @@ class Outline:
         """Sample the sides, in the order of the package; a moved corner is reported."""
         choice = self.choose_corners(ni, nj, corners, sampling)
         if choice.message:
-            say(choice.message)
+            report(choice.message)
         return sides_of_ring(sampled_sides(self.points, choice.corners, (ni, nj), sampling))
 
     def grid(

@@ -42,7 +42,7 @@ def checked_points(points: ArrayLike, name: str) -> tuple[Array, int]:
 
 
 def _opened(points: Array) -> Array:
-    """Return a curve without copies of its first point at the end, by which many programs say that it is closed."""
+    """Return a curve without copies of its first point at the end, by which many programs mark it as closed."""
     while points.ndim == 2 and len(points) > 1 and np.array_equal(points[-1], points[0]):
         points = points[:-1]
     return points
@@ -110,6 +110,6 @@ def run_backwards(points: Array, corners: Corners) -> tuple[Array, Corners]:
 
 
 def crossing_text(points: Array, crossing: tuple[int, int]) -> str:
-    """Say which two edges meet, and where."""
+    """Return which two edges meet, and where, for a message."""
     edges = [f"edge {k} from {points[k].tolist()} to {points[(k + 1) % len(points)].tolist()}" for k in crossing]
     return f"{edges[0]} meets {edges[1]}"

@@ -12,7 +12,7 @@ def parse_outline(text: str, path: str | os.PathLike[str]) -> tuple[str, list[in
     """Return name (perhaps empty), corners (perhaps None) and points from the lines of an outline file at `path`.
 
     The columns have commas, semicolons (then a comma may stand for the decimal point), tabs or blanks between them: the
-    first line that is no comment says which.
+    first line that is no comment decides.
 
     Raises:
         GridgenError: for a header other than x,y, or a line that is no point, with its number.

@@ -54,13 +54,13 @@ def corner_choice(
     before, after = angles_of(wanted), angles_of(chosen)
     a0, a1, a2, a3 = after.tolist()
     penalty = float(corner_penalty(points, np.array([chosen]), *nodes)[0])
-    said = "; ".join(
+    message = "; ".join(
         f"corner {k} of '{name}' is moved from point {wanted[k]}, where the boundary's nodes make an angle of "
         f"{before[k]:.4g} degrees, to point {chosen[k]}, where they make {after[k]:.4g}"
         for k in moved
     )
-    said += "; give the corners as indices to keep them where they are" if said else ""
-    return CornerChoice(chosen, (a0, a1, a2, a3), penalty, moved, said)
+    message += "; give the corners as indices to keep them where they are" if message else ""
+    return CornerChoice(chosen, (a0, a1, a2, a3), penalty, moved, message)
 
 
 def _corner_angles(sides: list[Array]) -> Array:

@@ -10,7 +10,7 @@ import click
 
 from .base import functionals_option
 from .field import field_of
-from .grids import Announcement, certify_and_draw, check_outputs, count_of, folds_of, say
+from .grids import Announcement, certify_and_draw, check_outputs, count_of, folds_of, report
 from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
 
@@ -90,7 +90,7 @@ def adapt(
     _report(result, quiet)
     if output:
         result.grid.write(output)
-        say(quiet, f"wrote {output}")
+        report(quiet, f"wrote {output}")
     certify_and_draw(result.grid, plot, f"{Path(input).stem}, adapted", quiet)
     if result.stopped_by is StopReason.USER:
         raise click.exceptions.Exit(130)
@@ -99,9 +99,9 @@ def adapt(
 def _report(result: AdaptResult, quiet: bool) -> None:
     """Print what came out; a grid that has not settled is reported on standard error as well."""
     if result.converged:
-        say(quiet, str(result))
+        report(quiet, str(result))
     else:
         click.secho(str(result), fg="yellow", err=True)
-    say(quiet, f"density times area, at the start: {result.before.weight}")
-    say(quiet, f"density times area, now:          {result.after.weight}")
-    say(quiet, result.quality.summary())
+    report(quiet, f"density times area, at the start: {result.before.weight}")
+    report(quiet, f"density times area, now:          {result.after.weight}")
+    report(quiet, result.quality.summary())

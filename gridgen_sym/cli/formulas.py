@@ -37,7 +37,7 @@ def functionals() -> None:
 
 
 def _row(definition: Functional) -> tuple[str, ...]:
-    """Return what the list says of one functional."""
+    """Return one line of the list."""
     from ..symbolic import equation_words, has_barrier
 
     parameters = ", ".join(f"{name}={value:g}" for name, value in definition.parameters.items())
@@ -107,16 +107,16 @@ def verify() -> None:
     """Compare every printed equation of the paper with what is derived."""
     from ..symbolic import verify as verdicts
 
-    told = verdicts()
-    for verdict in told:
+    found = verdicts()
+    for verdict in found:
         click.secho(f"{verdict.equation.place}: ", nl=False)
         click.secho(_answer(verdict), fg=_color(verdict))
-    known = [verdict.erratum for verdict in told if verdict.erratum]
-    plain = sum(verdict.is_plain for verdict in told)
-    conditional = sum(verdict.agrees and not verdict.is_plain and not verdict.erratum for verdict in told)
-    discoveries = sum(verdict.is_discovery for verdict in told)
+    known = [verdict.erratum for verdict in found if verdict.erratum]
+    plain = sum(verdict.is_plain for verdict in found)
+    conditional = sum(verdict.agrees and not verdict.is_plain and not verdict.erratum for verdict in found)
+    discoveries = sum(verdict.is_discovery for verdict in found)
     click.echo(
-        f"{len(told)} printed equations and claims: {plain} agree, {conditional} where J > 0 only, "
+        f"{len(found)} printed equations and claims: {plain} agree, {conditional} where J > 0 only, "
         f"{len(known)} are known errata ({', '.join(sorted(set(known), key=lambda key: int(key[1:])))}), "
         f"{discoveries} differ without a known erratum"
     )

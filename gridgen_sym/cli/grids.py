@@ -32,7 +32,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     type=click.Choice(_SOLVERS),
     default="newton",
     show_default=True,
-    help="newton and local minimise the discrete energy; euler-lagrange and relaxation solve its equations.",
+    help="newton and local minimize the discrete energy; euler-lagrange and relaxation solve its equations.",
 )
 @start_options
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv, .npz or .cgns.")
@@ -58,7 +58,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option("--keep-valid/--no-keep-valid", default=None, help="Whether a valid grid may not fold on the way.")
 @click.option("--interior-only", is_flag=True, help="Sum over corners at inner nodes only (newton and local).")
 @click.option("--backend", metavar="NAME", help="c, numpy, or one that is installed.  [default: c if possible]")
-@click.option("--quiet", is_flag=True, help="Say nothing but what is wrong.")
+@click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 @functionals_option
 def grid(input: str, name: str, output: str | None, plot: str | None, quiet: bool, **options: Any) -> None:  # noqa: ANN401
     """Make a grid from INPUT: a classical domain, an outline or a grid file.
@@ -82,7 +82,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     _report(result, quiet)
     if output:
         result.grid.write(output)
-        say(quiet, f"wrote {output}")
+        report(quiet, f"wrote {output}")
     certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result)
     if result.stopped_by is StopReason.USER:
         raise click.exceptions.Exit(130)
@@ -140,20 +140,20 @@ def check_outputs(output: str | None, plot: str | None) -> None:
 
 
 def _report(result: Result, quiet: bool) -> None:
-    """Print what came out; where it did not converge, or is folded, that is said on standard error as well."""
+    """Print what came out; where it did not converge, or is folded, that is reported on standard error as well."""
     if result.converged:
-        say(quiet, f"converged in {result.iterations} iterations: {result.message}")
+        report(quiet, f"converged in {result.iterations} iterations: {result.message}")
     else:
         click.secho(f"not converged in {result.iterations} iterations: {result.message}", fg="yellow", err=True)
-    say(quiet, result.quality.summary())
+    report(quiet, result.quality.summary())
     if quiet and not result.quality.valid:
         click.secho(result.quality.describe_folds(), fg="red", err=True)
 
 
 def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, result: Result | None = None) -> None:
-    """Say of a folded grid which proofs there are that its boundary admits no valid one, and draw it, or these.
+    """Report the proofs that the boundary of a folded grid admits no valid one, and draw it, or these.
 
-    The `result` of a solver has said what it knows.
+    The `result` of a solver has its own certificates.
     """
     from ..certificates import certificates
     from ..grids import quality as measure
@@ -170,7 +170,7 @@ def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, resu
             plot_certificates(made, plot, found=found)
         else:
             plot_grid(made, plot, title=title)
-        say(quiet, f"wrote {plot}")
+        report(quiet, f"wrote {plot}")
 
 
 class Announcement:
@@ -183,12 +183,12 @@ class Announcement:
     def __call__(self, _: object = None) -> None:
         """Print it, at the first step or after the work, but once."""
         if self._text:
-            say(self._quiet, self._text)
+            report(self._quiet, self._text)
             self._text = ""
 
 
-def say(quiet: bool, text: str) -> None:
-    """Print a line, unless nothing is to be said."""
+def report(quiet: bool, text: str) -> None:
+    """Print a line, unless the command is to be quiet."""
     if not quiet:
         click.echo(text)
 

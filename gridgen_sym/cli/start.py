@@ -63,7 +63,7 @@ def start_grid(
         size: number of cells; not for a grid file, which has its own.
         corners: of an outline: 'auto', or four indices of its points with commas or blanks between.
         sampling: of an outline: 'features' or 'equal'.
-        reorient: turn a clockwise outline or grid file round, and say so.
+        reorient: reverse a clockwise outline or grid file, and report it.
 
     Raises:
         GridgenError: if it is none of these, or cannot be read.
@@ -114,7 +114,7 @@ def parameters_of(name: str, texts: tuple[str, ...]) -> dict[str, float]:
 
 
 def _has_nodes(path: str) -> bool:
-    """Say whether a CSV file has the header of a grid file, and is no outline."""
+    """Return whether a CSV file has the header of a grid file, and is no outline."""
     header = next((line for line in _lines(path) if line.strip() and not line.startswith("#")), "")
     return header.replace(" ", "").lower() == "i,j,x,y"
 
@@ -148,12 +148,12 @@ def _grid_file(path: str, size: tuple[int, int] | None, reorient: bool) -> Grid:
     from ..certificates import certificates
     from ..grids import Grid
     from ..io import read
-    from ..messages import say
+    from ..messages import report
 
     if size is not None:
         raise GridgenError(f"{path} is a grid file, which has its own number of cells: drop --size")
     grid = read(path)
     if reorient and any(found.kind == "clockwise" for found in certificates(grid)):
-        say(f"{path} runs clockwise: its sides left and right are exchanged")
+        report(f"{path} runs clockwise: its sides left and right are exchanged")
         return Grid(grid.xy[::-1])
     return grid

@@ -87,5 +87,5 @@ def _format_of(path: str | os.PathLike[str]) -> _Format:
     if suffix not in _FORMATS:
         known = ", ".join(f"{key} ({form.name})" for key, form in _FORMATS.items())
         what = f"the suffix '{suffix}' is unknown" if suffix else "it has no suffix"
-        raise GridgenError(f"cannot tell the kind of the grid file {shown(text)}: {what}; use one of {known}")
+        raise GridgenError(f"unknown format of the grid file {shown(text)}: {what}; use one of {known}")
     return _FORMATS[suffix]

@@ -70,7 +70,7 @@ def read_arrays(data: bytes, forms: tuple[tuple[str, ...], ...], expected: str) 
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> Array:
-    """Return one array of an archive, whose header must tell what the archive announces."""
+    """Return one array of an archive, whose header must agree with what the archive announces."""
     member = archive.getinfo(name)
     with archive.open(member) as stream:
         head = io.BytesIO(stream.read(_HEADER))

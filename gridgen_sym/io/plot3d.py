@@ -3,7 +3,7 @@
 Written: the multi-block, three-dimensional form with one block and one k plane, which most programs take:
 the line ``1``, the line ``ni nj 1``, then all x, all y and all z (zeros), i running fastest. Read: also
 without the block count, two-dimensional (no z), and with iblank after the coordinates where no node is blanked out.
-VTK and ParaView cannot tell these forms apart in ASCII: switch 'Multi Grid' on there.
+VTK and ParaView cannot distinguish these forms in ASCII: switch 'Multi Grid' on there.
 Source: P. P. Walatka et al., PLOT3D User's Manual, NASA TM-101067 (1990), chapter 8.
 """
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..errors import GridgenError, quoted, shortened
 from ..grids.grid import Grid
-from ..messages import say
+from ..messages import report
 from .checks import check_packing, plane_grid
 
 _EXPECTED = "expected ASCII numbers: [1,] ni, nj, [1,] then all x, all y [and all z] [and all iblank]"
@@ -53,7 +53,7 @@ def decode(data: bytes) -> Grid:
     counted = head[0] == 1  # No side of a grid has one node, so this is a count of blocks.
     ni, nj, nk = head[1:] if counted else head[:3]
     dimensions = _dimensions(text, counted)
-    # Where the lines of the header do not say the dimension, planes of iblank cannot be told from those of z.
+    # Where the lines of the header do not give the dimension, planes of iblank cannot be distinguished from those of z.
     for blanked in (False, True) if len(dimensions) == 1 else (False,):
         for dimension in dimensions:
             depth = nk if dimension == 3 else 1
@@ -69,7 +69,7 @@ def decode(data: bytes) -> Grid:
 
 
 def _dimensions(text: str, counted: bool) -> tuple[int, ...]:
-    """Return the dimensions that the file may have: the words in the header's lines say it, if it has lines.
+    """Return the dimensions that the file may have: the words in the header's lines give it, if it has lines.
 
     The count of all numbers would nearly do, but a three-dimensional file cut short can pass for a whole
     two-dimensional one.
@@ -94,7 +94,7 @@ def _grid(planes: Array, dimension: int) -> Grid:
 
 
 def _check_iblank(iblank: Array) -> None:
-    """Refuse holes, which iblank = 0 marks; other nodes are nodes of the grid, whatever it says of them."""
+    """Refuse holes, which iblank = 0 marks; other nodes are nodes of the grid, whatever iblank holds there."""
     if not (iblank % 1 == 0).all():
         raise GridgenError(f"a plane of iblank would fit its header, but its numbers are not whole; {_EXPECTED}")
     holes = np.argwhere(iblank == 0)
@@ -104,7 +104,7 @@ def _check_iblank(iblank: Array) -> None:
             f"its iblank marks {len(holes)} nodes as holes (0), the first of which is node ({i}, {j}): holes cannot be "
             "represented here. Cut out a block without any"
         )
-    say("the file's iblank is ignored: it marks no holes")
+    report("the file's iblank is ignored: it marks no holes")
 
 
 @dataclass(frozen=True, slots=True)

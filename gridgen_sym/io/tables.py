@@ -16,7 +16,7 @@ HEADER = "i,j,x,y"
 def encode_csv(grid: Grid) -> bytes:
     """Return the grid as a CSV table: the header ``i,j,x,y``, then one line for each node.
 
-    The last node comes first: its line tells the size, so that a table cut short anywhere is noticed.
+    The last node comes first: its line holds the size, so that a table cut short anywhere is noticed.
     """
     columns = (*np.indices(grid.shape), grid.x, grid.y)
     rows = zip(*(column.ravel()[::-1].tolist() for column in columns), strict=True)

@@ -187,7 +187,7 @@ def _ascii(text: str) -> Array:
 
 
 def _decompressed(blocks: list[bytes], expected: int) -> bytes:
-    """Return what blocks hold, of which no more is decompressed than tells that there is too much."""
+    """Return what blocks hold, of which no more is decompressed than shows that there is too much."""
     parts, left = [], expected
     for block in blocks:
         stream = zlib.decompressobj()

@@ -6,7 +6,7 @@ import os
 
 from ..codegen.backend import Backend, find_backend
 from ..errors import GridgenError, quoted
-from ..messages import say_once
+from ..messages import report_once
 
 
 def choose_backend(name: str | None = None) -> Backend:
@@ -24,7 +24,7 @@ def choose_backend(name: str | None = None) -> Backend:
     compiled = find_backend("c")
     if not compiled.missing():
         return compiled
-    say_once(
+    report_once(
         "no C compiler was found, so the slower NumPy backend is used; install one (Debian: apt install gcc; "
         "macOS: xcode-select --install), or set GRIDGEN_SYM_BACKEND=numpy to silence this line"
     )

@@ -18,14 +18,14 @@ from pathlib import Path
 
 from ..atomic import write_bytes
 from ..errors import GridgenError
-from ..messages import say_once
+from ..messages import report_once
 
 
 @lru_cache(maxsize=1)
 def cache_folder() -> Path:
     """Return the folder of compiled kernels: GRIDGEN_SYM_CACHE, else the user's cache folder.
 
-    Where that cannot be written, a temporary folder that lives as long as the process, and says so.
+    Where that cannot be written, a temporary folder that lives as long as the process; this is reported.
 
     Raises:
         GridgenError: if the folder is another user's, or others can write in it.
@@ -39,7 +39,7 @@ def cache_folder() -> Path:
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except OSError as error:
-        say_once(
+        report_once(
             f"the cache folder {folder} cannot be written ({error.strerror}): kernels are compiled again in every "
             "process; set GRIDGEN_SYM_CACHE to a folder that can"
         )
@@ -104,7 +104,7 @@ def find(stem: str, suffix: str) -> Path | None:
 
 
 def keep(stem: str, suffix: str, content: bytes) -> Path:
-    """Keep some content under a stem; where the disk is full, for this process only, and say so.
+    """Keep some content under a stem; where the disk is full, for this process only; this is reported.
 
     Raises:
         GridgenError: if it can be written nowhere.
@@ -115,7 +115,7 @@ def keep(stem: str, suffix: str, content: bytes) -> Path:
         _make_private(path.parent)
         write_bytes(path, content, mode=0o600)
     except (GridgenError, OSError) as error:
-        say_once(f"{error}: what is made now is lost with this process")
+        report_once(f"{error}: what is made now is lost with this process")
         path = Path(_process_folder().name) / name
         write_bytes(path, content)
     return path

@@ -12,7 +12,7 @@ from itertools import chain
 from pathlib import Path
 
 from ..errors import GridgenError
-from ..messages import say
+from ..messages import report
 from . import cache
 from .process import run
 from .threads import threads_that_sleep
@@ -31,7 +31,7 @@ def open_library(name: str, source: str, part: str = "", headers: Mapping[str, s
     """Load the shared library of a C source, which is compiled now or found in the cache.
 
     Args:
-        name: of the file, and what the user is told to wait for.
+        name: of the file, and what is reported while it is compiled.
         source: the C source.
         part: what part of it this is, for the user.
         headers: texts of the files that it may include, by name.
@@ -63,7 +63,7 @@ def compile_library(name: str, source: str, part: str = "", headers: Mapping[str
     stem = f"{name}-{cache.digest(source, *chain(*headers.items()), *placeholder, compiler.version, _processor())}"
     library = cache.find(stem, ".so")
     if library is None:
-        say(f"compiling the kernels of {name}{f': {part}' if part else ''} (once per machine) ...")
+        report(f"compiling the kernels of {name}{f': {part}' if part else ''} (once per machine) ...")
         library = cache.keep(stem, ".so", _build(compiler, name, source, headers))
     return library
 
@@ -75,8 +75,8 @@ def _build(compiler: Compiler, name: str, source: str, headers: Mapping[str, str
             code, built = Path(folder) / f"{name}.c", Path(folder) / f"{name}.so"
             for file, text in {code.name: source, **headers}.items():
                 (code.parent / file).write_text(text, encoding="utf-8")
-            told = run(compiler.command(code, built), _COMPILE_SECONDS)
-            _check(compiler, name, told)
+            result = run(compiler.command(code, built), _COMPILE_SECONDS)
+            _check(compiler, name, result)
             return built.read_bytes()
     except OSError as error:
         raise GridgenError(
@@ -85,18 +85,18 @@ def _build(compiler: Compiler, name: str, source: str, headers: Mapping[str, str
         ) from error
 
 
-def _check(compiler: Compiler, name: str, told: subprocess.CompletedProcess[str] | None) -> None:
+def _check(compiler: Compiler, name: str, result: subprocess.CompletedProcess[str] | None) -> None:
     """Raise a `GridgenError` unless the compiler ended well."""
-    if told is None:
+    if result is None:
         raise GridgenError(f"{compiler.words} did not finish the kernels of {name} in {_COMPILE_SECONDS} s. {_WITHOUT}")
     # The driver exits with 1 when a part of it was killed.
-    if told.returncode < 0 or "terminated program" in told.stderr:
+    if result.returncode < 0 or "terminated program" in result.stderr:
         raise GridgenError(
             f"{compiler.words} was killed while it compiled the kernels of {name}, perhaps for want of memory: run "
             f"this again. {_WITHOUT}"
         )
-    if told.returncode:
-        raise GridgenError(f"{_rejection(compiler, name, told.stderr.strip()[:_MESSAGES])}\n{_WITHOUT}")
+    if result.returncode:
+        raise GridgenError(f"{_rejection(compiler, name, result.stderr.strip()[:_MESSAGES])}\n{_WITHOUT}")
 
 
 def _rejection(compiler: Compiler, name: str, messages: str) -> str:

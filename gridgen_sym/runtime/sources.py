@@ -13,7 +13,7 @@ from ..codegen.backend import Backend
 from ..codegen.facts import definition_digest, kernel_name
 from ..functionals import is_builtin
 from ..functionals.definition import Functional
-from ..messages import say
+from ..messages import report
 from ..resources import resource_folder
 from . import cache
 
@@ -39,7 +39,7 @@ def find_sources(functional: Functional, variant: Variant, backend: Backend) -> 
 def _derive(functional: Functional, variant: Variant, backend: Backend, stem: str) -> tuple[Path, Path]:
     from ..codegen.programs import kernel
 
-    say(f"deriving the kernels of {functional.name} ({variant}) ...")
+    report(f"deriving the kernels of {functional.name} ({variant}) ...")
     derived = kernel(functional, variant)
     return (
         cache.keep(stem, ".json", derived.facts.to_json().encode()),

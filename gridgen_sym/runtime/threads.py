@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from ..messages import say_once
+from ..messages import report_once
 
 #: Grids with fewer nodes are worked on by one thread: starting more would take longer.
 _NODES_PER_THREAD = 8192
-#: How an OpenMP library is told to wait, at the time when it is loaded: GCC's for so many turns of a loop, then asleep.
+#: How an OpenMP library is to wait, which it reads when it is loaded: GCC's for so many turns of a loop, then asleep.
 _WAITING = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "10000"}
 _COUNT = re.compile("0*[1-9][0-9]{0,8}")
 
@@ -47,7 +47,7 @@ def thread_count() -> int:
     if _COUNT.fullmatch(wanted):
         return int(wanted)
     if text:
-        say_once(
+        report_once(
             f"OMP_NUM_THREADS is {text[:60]!r}, which does not begin with a whole number from 1 on: "
             f"all {processors} processors are used"
         )
@@ -61,7 +61,7 @@ def threads_for(nodes: int) -> int:
     """
     count = max(1, min(thread_count(), nodes // _NODES_PER_THREAD))
     if count > 1 and _team.lost:
-        say_once(
+        report_once(
             "this process was forked from one that had used several threads, so it uses one: let multiprocessing "
             "start processes by 'spawn' or 'forkserver' to use more"
         )

@@ -67,10 +67,10 @@ class Compiler:
         with tempfile.TemporaryDirectory(prefix="gridgen_sym-trial-") as folder:
             source = Path(folder) / "trial.c"
             source.write_text(_TRIAL)
-            told = run(self.command(source, source.with_suffix(".so")), _TRIAL_SECONDS)
-        if told is None:
+            result = run(self.command(source, source.with_suffix(".so")), _TRIAL_SECONDS)
+        if result is None:
             return "it does not end"
-        return (told.stderr.strip() or f"exit code {told.returncode}") if told.returncode else ""
+        return (result.stderr.strip() or f"exit code {result.returncode}") if result.returncode else ""
 
 
 @lru_cache(maxsize=1)
@@ -122,8 +122,8 @@ def _named(words: list[str]) -> Compiler:
 
 
 def _version(program: tuple[str, ...]) -> str:
-    told = run([*program, "--version"], _VERSION_SECONDS)
-    return told.stdout.splitlines()[0] if told and told.returncode == 0 and told.stdout else ""
+    result = run([*program, "--version"], _VERSION_SECONDS)
+    return result.stdout.splitlines()[0] if result and result.returncode == 0 and result.stdout else ""
 
 
 def _supports_openmp(words: tuple[str, ...], version: str) -> bool:
@@ -131,10 +131,10 @@ def _supports_openmp(words: tuple[str, ...], version: str) -> bool:
     stem = f"openmp-{cache.digest(*words, version)}"
     answer = cache.find(stem, "")
     if answer is None:
-        told = _openmp_trial(words)
-        if told is None or told.returncode < 0:
+        result = _openmp_trial(words)
+        if result is None or result.returncode < 0:
             return False  # It was killed, or did not end: no answer.
-        answer = cache.keep(stem, "", b"no" if told.returncode else b"yes")
+        answer = cache.keep(stem, "", b"no" if result.returncode else b"yes")
     return answer.read_bytes() == b"yes"
 
 

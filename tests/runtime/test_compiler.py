@@ -44,7 +44,7 @@ def cache(monkeypatch, tmp_path):
     for name in ("CC", "GRIDGEN_SYM_BACKEND", "GRIDGEN_SYM_QUIET"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("GRIDGEN_SYM_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(messages, "_said", set())
+    monkeypatch.setattr(messages, "_reported", set())
     forget()
     yield tmp_path / "cache"
     forget()

@@ -63,7 +63,7 @@ def test_nothing_stays_in_the_environment(monkeypatch):
 
 @pytest.mark.parametrize("wanted", ["²", "0", "-2", "many", "1_0", "", "9" * 5000, "1.5"])
 def test_a_number_of_threads_that_is_none_is_told_and_all_processors_are_used(wanted, monkeypatch, capsys):
-    monkeypatch.setattr(messages, "_said", set())
+    monkeypatch.setattr(messages, "_reported", set())
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     processors = thread_count()
     monkeypatch.setenv("OMP_NUM_THREADS", wanted)
