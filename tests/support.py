@@ -10,6 +10,7 @@ from pathlib import Path
 
 import mpmath
 import numpy as np
+import pytest
 import sympy
 
 from gridgen_sym.backends.numpy.loader import load_module
@@ -26,6 +27,8 @@ COMMITTED = [(name, variant) for name in BUILTIN for variant in committed_varian
 #: Weighted variants of functionals that do not name the weight: they are derived when first used.
 DERIVED = [(name, variant) for name in ("winslow", "knupp") for variant in ("frozen", "differentiated")]
 CASES = COMMITTED + DERIVED
+#: The main tier has every functional plain, and one of every other variant; the slow tier has the rest.
+MAIN_VARIANTS = {("area_winslow", "frozen"), ("area", "differentiated"), ("winslow", "regularized")}
 #: Those that have Euler-Lagrange equations.
 EQUATION_CASES = [case for case in CASES if case[1] != "regularized"]
 
@@ -41,6 +44,12 @@ SAME = mpmath.mpf(10) ** -35
 def case_name(case: object) -> str | None:
     """Name a parametrized (functional, variant) pair."""
     return "-".join(case) if isinstance(case, tuple) else None
+
+
+def tiered(cases: Iterable[tuple[str, str]]) -> list[object]:
+    """Return cases to parametrize with, those of the slow tier marked."""
+    main = {(name, "plain") for name in BUILTIN} | MAIN_VARIANTS
+    return [case if case in main else pytest.param(case, marks=pytest.mark.slow) for case in cases]
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support import CASES, case_name, kernel_set, random_grid, random_weight, relative_difference
+from support import CASES, case_name, kernel_set, random_grid, random_weight, relative_difference, tiered
 
 from gridgen_sym.runtime import find_compiler, thread_count
 
@@ -88,7 +88,7 @@ def same(value, expected):
 
 
 @pytest.mark.usefixtures("threads")
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_c_equals_numpy(case):
     compiled, plain = kernel_set(*case, "c"), kernel_set(*case, "numpy")
     assert (compiled.backend, plain.backend) == ("c", "numpy")
@@ -118,7 +118,7 @@ def test_sweeps_move_free_nodes_of_their_color_and_no_others(case, backend):
 
 
 # A differentiated weight is that of where the nodes were: after a move the energy is that of another weight.
-@pytest.mark.parametrize("case", [case for case in CASES if case[1] != "differentiated"], ids=case_name)
+@pytest.mark.parametrize("case", tiered(case for case in CASES if case[1] != "differentiated"), ids=case_name)
 def test_a_sweep_lowers_the_energy(case):
     kernels = kernel_set(*case, "c")
     xy, weight = random_grid(9, 9, noise=noise_of(case[1])), random_weight(len(kernels.planes), 9, 9)
