@@ -1,4 +1,4 @@
-"""A grid, and what a problem says of it."""
+"""Iterates: a grid, its energy and its gradient."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from .problem import Problem, norm_of
 
 
 @dataclass(slots=True)
-class Point:
-    """Where a solver is, in the space of all grids.
+class Iterate:
+    """A grid that a solver has reached, with its energy and gradient.
 
     Attributes:
         problem: what is minimized.

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array, Mask
-from .convergence import Goal, converged
-from .iterate import Point
+from .convergence import ConvergenceTest, converged
+from .iterate import Iterate
 from .problem import Problem
 from .run.progress import Progress
 from .run.status import Outcome, Status
@@ -73,17 +73,17 @@ def sweep_until_converged(
     Returns:
         How it has ended.
     """
-    point = Point(problem, coordinates)
-    goal = Goal(point, tolerance)
-    progress.step(0, point.energy, point.norm, point.smallest)
+    iterate = Iterate(problem, coordinates)
+    convergence = ConvergenceTest(iterate, tolerance)
+    progress.step(0, iterate.energy, iterate.norm, iterate.smallest)
     # A node that goes farther in one step has left the domain for good.
     reach = 1e3 * float(np.ptp(coordinates))
     guard = keep_valid or problem.kernels.barrier
     # On a folded start there is no validity to keep, and corners that cannot be mended would hold all others back.
-    floor = jacobian_floor(point.smallest) if guard and point.smallest > 0 else -1.0
+    floor = jacobian_floor(iterate.smallest) if guard and iterate.smallest > 0 else -1.0
     for iteration in range(max_iterations + 1):
-        if goal.reached(point):
-            return converged("gradient", point.norm, goal.first, iteration)
+        if convergence.reached(iterate):
+            return converged("gradient", iterate.norm, convergence.first, iteration)
         if iteration == max_iterations:
             break
         move = _sweep_summed if problem.guard_summed_only and floor >= 0 else sweep
@@ -91,18 +91,19 @@ def sweep_until_converged(
         if step >= reach:
             why = "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid."
             return Outcome(Status.DIVERGED, why)
-        point.evaluate()
-        progress.step(iteration + 1, point.energy, point.norm, point.smallest)
+        iterate.evaluate()
+        progress.step(iteration + 1, iterate.energy, iterate.norm, iterate.smallest)
         if step == 0:
             return Outcome(
                 Status.STALLED,
                 f"no node can move to a lower local energy{' without folding a cell' if guard else ''}, and the "
-                f"gradient's norm is {point.norm:.2e}, {point.norm / goal.first:.1e} of its first value.",
+                f"gradient's norm is {iterate.norm:.2e}, {iterate.norm / convergence.first:.1e} of its first value.",
             )
     free = keep_valid and not problem.kernels.barrier
     return Outcome(
         Status.ITERATION_LIMIT,
-        f"{max_iterations} sweeps have brought the gradient's norm to {point.norm:.2e}, "
-        f"{point.norm / goal.first:.1e} of its first value, not to {tolerance:.1e}: allow more with max_iterations, or "
-        f"use method='newton'{'; if cells that would fold hold it back, keep_valid=False lets them' * free}.",
+        f"{max_iterations} sweeps have brought the gradient's norm to {iterate.norm:.2e}, "
+        f"{iterate.norm / convergence.first:.1e} of its first value, not to {tolerance:.1e}: allow more with "
+        "max_iterations, or use method='newton'"
+        f"{'; if cells that would fold hold it back, keep_valid=False lets them' * free}.",
     )

@@ -121,7 +121,7 @@ def test_every_linear_system_of_a_step_asks():
     never_solves = SimpleNamespace(set_operator=lambda planes: False)
     state = NewtonSteps(problem, never_solves, Ends(3), only_semidefinite=False)
     with pytest.raises(StopRequest):
-        state.downhill(SimpleNamespace(point=point_of(gg.domain("wavy", 9, 9).planes.copy())))
+        state.downhill(SimpleNamespace(iterate=point_of(gg.domain("wavy", 9, 9).planes.copy())))
     assert state.deadline.asked == 4
 
 

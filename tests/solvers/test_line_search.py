@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gridgen_sym.solvers.convergence import Goal
-from gridgen_sym.solvers.iterate import Point
+from gridgen_sym.solvers.convergence import ConvergenceTest
+from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.newton.line_search import LineSearch
 from gridgen_sym.solvers.newton.steps import NewtonSteps
 from gridgen_sym.solvers.run.deadline import Deadline
@@ -49,7 +49,7 @@ def place(x):
 
 
 def search(problem, x, lowest=-np.inf):
-    point = Point(problem, place(x))
+    point = Iterate(problem, place(x))
     return LineSearch(point, lowest, np.empty_like(point.coordinates))
 
 
@@ -170,29 +170,33 @@ def test_a_step_that_would_fold_a_cell_says_nothing_of_the_hessian():
 
 def test_a_goal_is_a_part_of_the_smaller_of_start_and_scale():
     falling = OneNumber(lambda x: x, lambda x: x, scale=0.5)
-    goal = Goal(Point(falling, place(100.0)), 1e-2)
+    goal = ConvergenceTest(Iterate(falling, place(100.0)), 1e-2)
     assert (goal.first, goal.norm) == (50.0, 0.5)
-    assert goal.reached(Point(falling, place(0.0)))
-    assert Goal(Point(falling, place(100.0)), 1e-2, reference=10.0).first == 10.0
+    assert goal.reached(Iterate(falling, place(0.0)))
+    assert ConvergenceTest(Iterate(falling, place(100.0)), 1e-2, reference=10.0).first == 10.0
 
 
 def test_where_the_energy_at_a_barrier_has_fallen_far_the_goal_is_another():
     steep = OneNumber(lambda x: x, lambda x: x, jacobian=lambda x: -1e-9, scale=0.5)
-    goal = Goal(Point(steep, place(100.0)), 1e-2)
-    assert not goal.reached(Point(steep, place(0.4))), "a part of 0.2, now"
+    goal = ConvergenceTest(Iterate(steep, place(100.0)), 1e-2)
+    assert not goal.reached(Iterate(steep, place(0.4))), "a part of 0.2, now"
     assert goal.first == pytest.approx(0.2)
     steep.kernels.barrier = False
-    assert Goal(Point(steep, place(100.0)), 1e-2).reached(Point(steep, place(0.4)))
+    assert ConvergenceTest(Iterate(steep, place(100.0)), 1e-2).reached(Iterate(steep, place(0.4)))
     roomy = OneNumber(lambda x: x, lambda x: x, scale=0.5)
-    assert Goal(Point(roomy, place(100.0)), 1e-2).reached(Point(roomy, place(0.4))), "an energy may tend to 0"
+    assert ConvergenceTest(Iterate(roomy, place(100.0)), 1e-2).reached(Iterate(roomy, place(0.4))), (
+        "an energy may tend to 0"
+    )
 
 
 def test_rounding_is_measured_where_it_decides():
     problem = OneNumber(lambda x: x, lambda x: x, round_off=10.0)
-    goal = Goal(Point(problem, place(20.0)), 1e-3)
+    goal = ConvergenceTest(Iterate(problem, place(20.0)), 1e-3)
     problem.rounding = 1e-3
-    assert not goal.reached(Point(problem, place(9.0)))
+    assert not goal.reached(Iterate(problem, place(9.0)))
     problem.rounding = 5.0
-    goal = Goal(Point(problem, place(20.0)), 1e-3)
-    assert goal.reached(Point(problem, place(4.0)))
-    assert not Goal(Point(problem, place(20.0)), 0.1).reached(Point(problem, place(4.0))), "who asks for little"
+    goal = ConvergenceTest(Iterate(problem, place(20.0)), 1e-3)
+    assert goal.reached(Iterate(problem, place(4.0)))
+    assert not ConvergenceTest(Iterate(problem, place(20.0)), 0.1).reached(Iterate(problem, place(4.0))), (
+        "who asks for little"
+    )

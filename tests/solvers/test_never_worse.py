@@ -10,7 +10,7 @@ from support_solvers import BARRIER, disordered, edges
 
 import gridgen_sym as gg
 from gridgen_sym.solvers.folds import Folds
-from gridgen_sym.solvers.iterate import Point
+from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.multilevel.prolongation import finer_start, from_boundary
 from gridgen_sym.solvers.newton.line_search import LineSearch
 from gridgen_sym.solvers.problem import make_problem
@@ -58,7 +58,7 @@ def test_a_weight_that_raises_the_energy_after_each_step_does_not_hide_its_progr
     """Steps that a barrier cuts are progress as long as they lower the energy with the weight that they have seen."""
     rises = count()
 
-    def evaluate(self, evaluate=Point.evaluate):
+    def evaluate(self, evaluate=Iterate.evaluate):
         evaluate(self)
         self.energy += 10.0 ** next(rises)
 
@@ -66,7 +66,7 @@ def test_a_weight_that_raises_the_energy_after_each_step_does_not_hide_its_progr
         found, self.folds = along(self, direction), True
         return found
 
-    monkeypatch.setattr(Point, "evaluate", evaluate)
+    monkeypatch.setattr(Iterate, "evaluate", evaluate)
     monkeypatch.setattr(LineSearch, "along", cut)
     result = gg.optimize(disordered(gg.domain("chevron", 13, 13), 0.3), "winslow", tolerance=1e-14)
     assert "would fold a cell" not in result.message

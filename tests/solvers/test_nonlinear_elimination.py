@@ -7,7 +7,7 @@ import pytest
 from support_solvers import BARRIER
 
 import gridgen_sym as gg
-from gridgen_sym.solvers.iterate import Point
+from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.newton import minimize as newton
 from gridgen_sym.solvers.newton.minimize import minimize
 from gridgen_sym.solvers.newton.nonlinear_elimination import sweep_standing_out
@@ -45,7 +45,7 @@ def seen(monkeypatch):
 
 
 def point_of(place, name="winslow", **options):
-    return Point(make_problem(gg.Grid.from_planes(*place), name, **options), place)
+    return Iterate(make_problem(gg.Grid.from_planes(*place), name, **options), place)
 
 
 @each_barrier

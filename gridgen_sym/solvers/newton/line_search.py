@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import Array
-from ..iterate import Point
+from ..iterate import Iterate
 from ..problem import inner
 
 #: Armijo's constant, and how often a step is halved.
@@ -16,10 +16,10 @@ _SUFFICIENT, _HALVINGS = 1e-4, 40
 
 @dataclass(slots=True)
 class LineSearch:
-    """How long a step from a point may be, and how the last search from it ended.
+    """How long a step from an iterate may be, and how the last search from it ended.
 
     Attributes:
-        point: where the step begins.
+        iterate: where the step begins.
         lowest: the Jacobian that no corner may fall to.
         trial: (2, ni, nj), where trial grids are put.
         length: of the accepted step; 1 is the whole Newton step. Negative where it leads against its direction.
@@ -27,7 +27,7 @@ class LineSearch:
         folds: whether a longer step was refused because it would have folded a cell.
     """
 
-    point: Point
+    iterate: Iterate
     lowest: float
     trial: Array
     length: float = 0.0
@@ -36,12 +36,12 @@ class LineSearch:
 
     def along(self, direction: Array) -> bool:
         """Find the longest step 1, 1/2, ... that lowers the energy enough and folds nothing."""
-        slope = inner(self.point.gradient, direction)
-        round_off = _noise(self.point.energy)
+        slope = inner(self.iterate.gradient, direction)
+        round_off = _noise(self.iterate.energy)
         self.length, self.folds = 1.0, False
         for _ in range(_HALVINGS):
             self.energy, smallest = self._energy_at(direction, self.length)
-            lower = self.energy <= self.point.energy + _SUFFICIENT * self.length * slope + round_off
+            lower = self.energy <= self.iterate.energy + _SUFFICIENT * self.length * slope + round_off
             if lower and smallest > self.lowest:
                 return True
             self.folds |= bool(lower)
@@ -53,9 +53,9 @@ class LineSearch:
 
         The direction is one of negative curvature, and its own length means nothing.
         """
-        sign = -1.0 if inner(self.point.gradient, direction) > 0 else 1.0
-        length = sign * float(np.ptp(self.point.coordinates)) / float(np.abs(direction).max())
-        least = self.point.energy - _noise(self.point.energy)
+        sign = -1.0 if inner(self.iterate.gradient, direction) > 0 else 1.0
+        length = sign * float(np.ptp(self.iterate.coordinates)) / float(np.abs(direction).max())
+        least = self.iterate.energy - _noise(self.iterate.energy)
         self.length, self.folds = 0.0, False
         for _ in range(_HALVINGS):
             energy, smallest = self._energy_at(direction, length)
@@ -69,8 +69,8 @@ class LineSearch:
     def _energy_at(self, direction: Array, length: float) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian after a step of this length."""
         np.multiply(direction, length, out=self.trial)
-        self.trial += self.point.coordinates
-        return self.point.problem.energy(self.trial)
+        self.trial += self.iterate.coordinates
+        return self.iterate.problem.energy(self.trial)
 
 
 def _noise(energy: float) -> float:

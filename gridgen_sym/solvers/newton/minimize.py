@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Array
-from ..convergence import Goal, converged
-from ..iterate import Point
+from ..convergence import ConvergenceTest, converged
+from ..iterate import Iterate
 from ..linear.solution import LinearSolver
 from ..linear.systems import hessian_solver
 from ..problem import Problem
@@ -75,68 +75,70 @@ def minimize(
     Returns:
         How it has ended.
     """
-    point, before, barrier = Point(problem, coordinates), 0.0, problem.kernels.barrier
-    goal = Goal(point, tolerance, reference)
-    progress.step(0, point.energy, point.norm, point.smallest)
-    control = StepControl(keep_valid or barrier, jacobian_floor(point.smallest))
+    iterate, before, barrier = Iterate(problem, coordinates), 0.0, problem.kernels.barrier
+    convergence = ConvergenceTest(iterate, tolerance, reference)
+    progress.step(0, iterate.energy, iterate.norm, iterate.smallest)
+    control = StepControl(keep_valid or barrier, jacobian_floor(iterate.smallest))
     linear = solver or hessian_solver(problem.fixed, problem.kernels.backend)
     steps = NewtonSteps(problem, linear, progress.deadline, semidefinite)
-    extent, trial, least = float(np.ptp(coordinates)), np.empty_like(coordinates), (point.norm, 0)
+    extent, trial, least = float(np.ptp(coordinates)), np.empty_like(coordinates), (iterate.norm, 0)
     for iteration in range(max_iterations + 1):
-        if until_valid and point.smallest > 0:
+        if until_valid and iterate.smallest > 0:
             return Outcome(Status.CONVERGED, "the grid is valid.")
-        if goal.reached(point):
+        if convergence.reached(iterate):
             # A barrier's own line search is nothing to report.
-            return converged("gradient", point.norm, goal.first, iteration, "" if barrier else str(control))
+            return converged("gradient", iterate.norm, convergence.first, iteration, "" if barrier else str(control))
         if iteration == max_iterations:
             break
-        if barrier and point.norm > max(_STEEP * goal.scale, _POOR * before):
-            _eliminate(point, progress.deadline)
-            if goal.reached(point):
-                return converged("gradient", point.norm, goal.first, iteration + 1)
-        search = LineSearch(point, control.lowest(point.smallest), trial)
+        if barrier and iterate.norm > max(_STEEP * convergence.scale, _POOR * before):
+            _eliminate(iterate, progress.deadline)
+            if convergence.reached(iterate):
+                return converged("gradient", iterate.norm, convergence.first, iteration + 1)
+        search = LineSearch(iterate, control.lowest(iterate.smallest), trial)
         step = steps.downhill(search)
         if step is None:
-            return _stuck(Status.STALLED, point, goal)
+            return _stuck(Status.STALLED, iterate, convergence)
         if diverges(step, extent):
-            return _stuck(Status.DIVERGED, point, goal)
+            return _stuck(Status.DIVERGED, iterate, convergence)
         coordinates += step
         # The weight may be another now: progress is what the step has made of the energy with that which it has seen.
-        control.count(search.folds, point.energy - search.energy >= _LITTLE * abs(point.energy))
-        before = point.norm
-        point.evaluate()
-        progress.step(iteration + 1, point.energy, point.norm, point.smallest)
-        steps.learn(search, point.norm / before, goal.norm / (point.norm or 1.0))
-        least = min(least, (point.norm, iteration))
+        control.count(search.folds, iterate.energy - search.energy >= _LITTLE * abs(iterate.energy))
+        before = iterate.norm
+        iterate.evaluate()
+        progress.step(iteration + 1, iterate.energy, iterate.norm, iterate.smallest)
+        steps.learn(search, iterate.norm / before, convergence.norm / (iterate.norm or 1.0))
+        least = min(least, (iterate.norm, iteration))
         if control.holds_back:
             more = " This is the best valid grid" + ("." if barrier else "; keep_valid=False lets cells fold.")
-            return _stuck(Status.HELD_BACK, point, goal, more)
+            return _stuck(Status.HELD_BACK, iterate, convergence, more)
         if problem.weight is not None and problem.weight.lags and iteration - least[1] >= _UNSETTLED:
-            return _stuck(Status.UNSETTLED, point, goal)
-    return _stuck(Status.ITERATION_LIMIT, point, goal, "" if barrier else str(control), steps=max_iterations)
+            return _stuck(Status.UNSETTLED, iterate, convergence)
+    return _stuck(Status.ITERATION_LIMIT, iterate, convergence, "" if barrier else str(control), steps=max_iterations)
 
 
-def _eliminate(point: Point, deadline: Deadline) -> None:
+def _eliminate(iterate: Iterate, deadline: Deadline) -> None:
     """Lower the energy where the gradient is large: by sweeps, as long as these pay, and in small subdomains.
 
     Args:
-        point: the grid, changed in place; a valid one stays valid.
+        iterate: the grid, changed in place; a valid one stays valid.
         deadline: of the run.
     """
-    sweep_standing_out(point, deadline)
-    parts = steep_subdomains(point)
+    sweep_standing_out(iterate, deadline)
+    parts = steep_subdomains(iterate)
     for part in parts:
-        inside, place = restrict(point.problem, point.coordinates, part)
+        inside, place = restrict(iterate.problem, iterate.coordinates, part)
         unseen = Progress("subdomain", show=False, deadline=deadline)
         try:
             minimize(inside, place, unseen, tolerance=_WINDOW, max_iterations=_WINDOW_STEPS, keep_valid=True)
         finally:
-            point.coordinates[:, *part] = place
+            iterate.coordinates[:, *part] = place
     if parts:
-        point.evaluate()
+        iterate.evaluate()
 
 
-def _stuck(status: Status, point: Point, goal: Goal, more: str = "", steps: int = 0) -> Outcome:
+def _stuck(status: Status, iterate: Iterate, convergence: ConvergenceTest, more: str = "", steps: int = 0) -> Outcome:
     """Return how a run ends that has not converged, and how small the gradient is."""
-    small = f"The gradient's norm is {point.norm:.2e}, {point.norm / (goal.first or 1):.1e} of its first value."
+    small = (
+        f"The gradient's norm is {iterate.norm:.2e}, {iterate.norm / (convergence.first or 1):.1e} of its first value."
+    )
     return Outcome(status, f"{_WHY[status].format(steps=steps)}. {small}{more}")

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...arrays import Array
-from ..iterate import Point
+from ..iterate import Iterate
 from ..local import sweep
 from ..run.deadline import Deadline
 from ..run.step_control import jacobian_floor
@@ -31,32 +31,32 @@ _LAYERS, _HELD = 6, 0.9
 _SMALLEST = 4096
 
 
-def steep_subdomains(point: Point) -> list[tuple[slice, slice]]:
+def steep_subdomains(iterate: Iterate) -> list[tuple[slice, slice]]:
     """Return small subdomains, as slices of nodes, that hold nearly all of the gradient; none where there are none."""
-    problem, coordinates = point.problem, point.coordinates
+    problem, coordinates = iterate.problem, iterate.coordinates
     # What a weight, or which corners are counted, depends on the whole grid.
     if problem.weight is not None or problem.interior_only or coordinates[0].size < _SMALLEST:
         return []
-    squares = _squares(point.gradient)
+    squares = _squares(iterate.gradient)
     standing = _standing_out(squares, _CUT_OUT)
     parts = [] if standing is None else list(subdomains(standing, _LAYERS))
     held = sum(float(squares[part].sum()) for part in parts)
     return parts if held >= _HELD * float(squares.sum()) else []
 
 
-def sweep_standing_out(point: Point, deadline: Deadline, *, until_valid: bool = False) -> None:
+def sweep_standing_out(iterate: Iterate, deadline: Deadline, *, until_valid: bool = False) -> None:
     """Sweep over the nodes that stand out, in place, as long as that pays, or up to the first valid grid."""
-    last, reach = np.inf, 1e3 * float(np.ptp(point.coordinates))
-    while point.norm < _WORTH_WHILE * last and not (until_valid and point.smallest > 0):
+    last, reach = np.inf, 1e3 * float(np.ptp(iterate.coordinates))
+    while iterate.norm < _WORTH_WHILE * last and not (until_valid and iterate.smallest > 0):
         deadline.check()
-        standing = _standing_out(_squares(point.gradient), _SWEPT)
+        standing = _standing_out(_squares(iterate.gradient), _SWEPT)
         if standing is None:
             break
-        held = np.asarray(~standing | (point.problem.fixed != 0), dtype=np.uint8)
-        floor = jacobian_floor(point.smallest) if point.smallest > 0 else -1.0
-        sweep(point.problem, point.coordinates, held, floor=floor, reach=reach)
-        last = point.norm
-        point.evaluate()
+        held = np.asarray(~standing | (iterate.problem.fixed != 0), dtype=np.uint8)
+        floor = jacobian_floor(iterate.smallest) if iterate.smallest > 0 else -1.0
+        sweep(iterate.problem, iterate.coordinates, held, floor=floor, reach=reach)
+        last = iterate.norm
+        iterate.evaluate()
 
 
 def _squares(gradient: Array) -> Array:

@@ -29,7 +29,7 @@ class NewtonSteps:
     The full Hessian is used while its steps lead downhill and are not cut; after a step that was cut, the semidefinite
     one, shifted where it is singular; for a functional that is not polyconvex the full one, with the smallest shift
     that conjugate gradients find positive, kept from step to step. Where whole steps lead nowhere and the full Hessian
-    is not positive, the grid is near a saddle point, which is left along the direction of negative curvature that
+    is not positive, the grid is near a saddle iterate, which is left along the direction of negative curvature that
     conjugate gradients have met. The linear systems are solved only as well as the step deserves (Eisenstat and Walker
     1996).
 
@@ -42,7 +42,7 @@ class NewtonSteps:
         shift: added to the diagonal, over its mean.
         forcing: relative residual of the next linear solve.
         stalls: whole steps in a row that have led nowhere. If the full Hessian is not positive then, the grid is near a
-            saddle point, and only a direction of negative curvature leads away from it.
+            saddle iterate, and only a direction of negative curvature leads away from it.
     """
 
     problem: Problem
@@ -83,7 +83,7 @@ class NewtonSteps:
     def _solve(self, search: LineSearch, semidefinite: bool) -> Solution | None:
         """Return Newton's direction, or one of negative curvature; None if this Hessian has bad diagonal blocks."""
         self.exact = not semidefinite
-        self.planes = self.problem.hessian(search.point.coordinates, semidefinite=semidefinite, out=self.planes)
+        self.planes = self.problem.hessian(search.iterate.coordinates, semidefinite=semidefinite, out=self.planes)
         # The semidefinite Hessian may be singular (area's is); a small shift makes it definite.
         shift = max(self.shift, _SMALLEST_SHIFT) if semidefinite else self.shift
         if shift:
@@ -92,7 +92,7 @@ class NewtonSteps:
             self.planes[2] += shift * size
         if not self.solver.set_operator(self.planes):
             return None
-        solution = self.solver.solve(search.point.gradient, self.forcing)
+        solution = self.solver.solve(search.iterate.gradient, self.forcing)
         np.negative(solution.vector, out=solution.vector)
         return solution
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...arrays import Array
-from ..iterate import Point
+from ..iterate import Iterate
 from ..newton.nonlinear_elimination import sweep_standing_out
 from ..problem import Problem
 from .affine_maps import balanced_maps
@@ -26,9 +26,9 @@ class FoldedNodes:
         """Sweep from the start, where few cells are folded."""
 
         def lower(regular: Problem, coordinates: Array) -> None:
-            point = Point(regular, coordinates)
-            search.progress.step(0, point.energy, point.norm, point.smallest)
-            sweep_standing_out(point, search.progress.deadline, until_valid=True)
+            iterate = Iterate(regular, coordinates)
+            search.progress.step(0, iterate.energy, iterate.norm, iterate.smallest)
+            sweep_standing_out(iterate, search.progress.deadline, until_valid=True)
 
         if search.best.folds.cells < _FEW * search.problem.fixed.size:
             follow(search, next(balanced_maps(search.start)), lower)
