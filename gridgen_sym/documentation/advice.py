@@ -15,6 +15,8 @@ def consequences(found: Classification) -> Iterator[str]:
         return
     yield _barrier(found)
     yield _type(found)
+    if found.kinks:
+        yield "Its first derivatives jump on some valid grids: a minimum may sit in a kink, where no equations hold."
     if found.linear:
         yield "Its equations are linear: one Newton step solves them."
     if found.scaling_degree == 0:

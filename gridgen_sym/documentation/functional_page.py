@@ -100,6 +100,9 @@ def _facts(found: Classification) -> Iterator[tuple[str, str]]:
     yield "Lower bound", "none known" if bound.value is None else f"${latex(bound.value)}$ ({bound.proof})"
     how = "refuted at a point" if found.polyconvex.proof == "refuted" else found.polyconvex.proof
     yield "Polyconvex", f"{'yes, where $J > 0$' if found.polyconvex.holds else 'no'} ({how})"
+    if found.kinks:
+        zeros = ", ".join(f"${latex(kink)} = 0$" for kink in found.kinks)
+        yield "First derivatives jump", f"where {zeros}"
     if found.functional.parameters:
         values = ", ".join(f"`{name}` = {value:g}" for name, value in found.functional.parameters.items())
         rules = ", ".join(f"`{rule}`" for rule in found.functional.constraints)

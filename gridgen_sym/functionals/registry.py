@@ -85,7 +85,8 @@ def define(
         density: function of the metric `m` (and of parameters with default values), or the same as
             text, for example `"(g11 + g22)/J + k*g12**2"`.
         parameters: default values, for a density given as text.
-        constraints: comparisons that the parameters must meet, such as `("k >= 0",)`.
+        constraints: comparisons that the parameters must meet, such as `("k >= 0",)` or `("0 < k < 1",)`. What is
+            derived, such as polyconvexity, is decided for the parameters that they allow.
         corner_factor: factor of the discrete corner energy over the density.
         description: one sentence for lists.
         replace: allow a functional that was defined at run time to be defined again.

@@ -130,10 +130,16 @@ class Run:
 
     def explained_by_derivatives(self, outcome: Outcome) -> Outcome:
         """Return how a run has ended, with the term of the density whose derivative does not exist, if that is why."""
-        if outcome.converged or np.isfinite(self.problem.energy_gradient(self.coordinates)[2]).all():
+        if outcome.converged or self._has_derivatives(outcome.status):
             return outcome
         reason = missing_derivative(self.functional, self.parameters, self.coordinates)
         return Outcome(Status.NOT_DIFFERENTIABLE, reason) if reason else outcome
+
+    def _has_derivatives(self, status: Status) -> bool:
+        """Whether the gradient is made of numbers, and the Hessian, too, where no step made progress."""
+        if not np.isfinite(self.problem.energy_gradient(self.coordinates)[2]).all():
+            return False
+        return status is not Status.STALLED or bool(np.isfinite(self.problem.hessian(self.coordinates)).all())
 
     def result(self, outcome: Outcome) -> Result:
         """Return what the run has found, with what must be said of folded cells and of the weight."""

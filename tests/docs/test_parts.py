@@ -30,6 +30,7 @@ def classification(**properties):
         "translation": True,
         "rotation": True,
         "exchange": True,
+        "kinks": (),
         "polyconvex": SimpleNamespace(holds=True, proof="proved"),
         "lower_bound": SimpleNamespace(value=sympy.Integer(2), proof="proved"),
         "ellipticity": Ellipticity("elliptic", "proved"),
@@ -49,6 +50,7 @@ ADVICE = {
     "a direction": ({"rotation": False}, [*USUAL, "It is not invariant under rotation"]),
     "two families": ({"exchange": False}, [*USUAL, "The two families of grid lines are not alike"]),
     "hills": ({"polyconvex": SimpleNamespace(holds=False)}, [*USUAL, "It is not polyconvex"]),
+    "a kink": ({"kinks": (sympy.Symbol("J") - 1,)}, [*USUAL, "Its first derivatives jump"]),
     "no bound": ({"lower_bound": SimpleNamespace(value=None)}, [*USUAL, "No lower bound of its density is known"]),
     "a bound of 0": ({"lower_bound": SimpleNamespace(value=sympy.Integer(0))}, USUAL),
     "a weight": ({"functional": SimpleNamespace(expression=lambda: s)}, [*USUAL, "Its density names the weight"]),
@@ -95,6 +97,7 @@ def test_facts_are_those_of_the_classification():
         translation=False,
         rotation=False,
         exchange=False,
+        kinks=(sympy.Symbol("J") - 1,),
         scaling_degree=None,
         lower_bound=SimpleNamespace(value=None),
         polyconvex=SimpleNamespace(holds=False, proof="refuted"),
@@ -108,6 +111,7 @@ def test_facts_are_those_of_the_classification():
     assert facts["Scaling"] == "not homogeneous"
     assert facts["Lower bound"] == "none known"
     assert facts["Polyconvex"] == "no (refuted at a point)"
+    assert facts["First derivatives jump"] == "where $J - 1 = 0$"
     assert facts["Parameters"] == "`k` = 0.5, `m` = 2, with `k > 0`, `m > k`"
 
 

@@ -23,6 +23,23 @@ def test_the_term_without_a_derivative_is_named(method, clean_registry, monkeypa
     assert "no step downhill" not in result.message
 
 
+def test_the_equations_have_no_solution_there_either(clean_registry, monkeypatch):
+    monkeypatch.setenv("GRIDGEN_SYM_BACKEND", "numpy")
+    kink = gg.define("kink", "g11 + g22 + sqrt(abs(g12))")
+    result = gg.solve_euler_lagrange(gg.domain("square", 5, 5), kink)
+    assert result.status is gg.Status.NOT_DIFFERENTIABLE
+    assert "the term sqrt(Abs(g12)) is not smooth at" in result.message
+
+
+def test_a_missing_second_derivative_is_named_where_no_step_is_found(clean_registry, monkeypatch):
+    monkeypatch.setenv("GRIDGEN_SYM_BACKEND", "numpy")
+    gg.define("bend", "g11 + g22 + 3*x_xi + abs(g12)**(4/3)")
+    grid = gg.domain("square", 5, 5)
+    result = gg.optimize(gg.Grid.from_planes(grid.x**2, grid.y), "bend")
+    assert result.status is gg.Status.NOT_DIFFERENTIABLE
+    assert "has no second derivative at this grid: the term Abs(g12)**(4/3) is not smooth at" in result.message
+
+
 def test_corners_are_counted():
     planes = gg.domain("square", 5, 5).planes.copy()
     assert f"{KINK} is not smooth at 64 of 64 corners" in missing_derivative(Functional("kink", KINK), None, planes)

@@ -111,7 +111,7 @@ def solve_euler_lagrange(
             return solve_by_newton(equations, run.coordinates, report, tolerance, limit, keep_valid)
 
         def result(outcome: Outcome) -> Result:
-            return run.result(_choose(run, equations, outcome, keep_valid))
+            return run.result(_choose(run, equations, run.explained_by_derivatives(outcome), keep_valid))
 
         return run_to_result(solve, result, report)
 
