@@ -29,8 +29,8 @@ KINDS = {
 _OUTCOMES = ("quick proof", "searched proof", "valid", "longer search", "sliver", "undecided")
 
 
-def outcome(start: gg.Grid, work: int | None) -> str:
-    """Return what becomes of one boundary; what is not proved is searched with more work, if that is given."""
+def outcome(start: gg.Grid, budget: int | None) -> str:
+    """Return what becomes of one boundary; what is not proved is searched again with a larger budget, if one is given."""
     if gg.certificates(start):
         return "quick proof"
     result = gg.untangle(start, progress=False)
@@ -38,7 +38,7 @@ def outcome(start: gg.Grid, work: int | None) -> str:
         return "valid"
     if any(proof.impossible for proof in result.certificates):
         return "searched proof"
-    if work and gg.certificates(result.grid, search=True, work=work):
+    if budget and gg.certificates(result.grid, search=True, budget=budget):
         return "longer search"
     return "sliver" if result.certificates else "undecided"
 
@@ -48,7 +48,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=300, help="boundaries of each kind")
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
-    parser.add_argument("--work", type=int, help="of a longer search for a proof where there is none yet")
+    parser.add_argument("--budget", type=int, help="budget of a longer search for a proof where there is none yet")
     parser.add_argument("--kind", action="append", choices=KINDS, help="of this kind only")
     options = parser.parse_args()
     table = Table(
@@ -62,7 +62,7 @@ def main() -> None:
         begin = time.process_time()
         for seed in range(options.first, options.first + options.count):
             ni, nj = np.random.default_rng(seed).integers(3, 10, 2).tolist()
-            found[outcome(grid_of_ring(make(seed, 2 * (ni + nj) - 4, shape), ni, nj), options.work)] += 1
+            found[outcome(grid_of_ring(make(seed, 2 * (ni + nj) - 4, shape), ni, nj), options.budget)] += 1
         table.add(kind, options.count, *(found[name] for name in _OUTCOMES), time.process_time() - begin)
     print(table.markdown())
 

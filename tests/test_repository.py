@@ -53,6 +53,15 @@ def test_the_classifiers_name_the_pythons_that_are_tested():
     assert PROJECT["requires-python"] == f">={min(named, key=lambda version: int(version.split('.')[1]))}"
 
 
+def test_contributing_names_paths_that_exist():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = re.findall(r"`((?:gridgen_sym|tests|templates|docs|generated|\.ci)/[\w./]*)`", text)
+    assert len(named) > 20
+    missing = [name for name in named if not (ROOT / name).exists() and not name.startswith("docs/_build")]
+    # Names of templates to come have a placeholder in capitals.
+    assert [name for name in missing if not re.search(r"/(?:X\.|NAME)", name)] == []
+
+
 def test_nothing_large_lies_at_the_top():
     large = [path.name for path in ROOT.iterdir() if path.is_file() and path.stat().st_size > 50_000]
     assert large == []
