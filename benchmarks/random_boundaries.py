@@ -30,7 +30,7 @@ _OUTCOMES = ("quick proof", "searched proof", "valid", "longer search", "sliver"
 
 
 def outcome(start: gg.Grid, budget: int | None) -> str:
-    """Return what becomes of one boundary; what is not proved is searched again with a larger budget, if one is given."""
+    """Return the outcome of one boundary; what is not proved is searched again with a larger budget, if given."""
     if gg.certificates(start):
         return "quick proof"
     result = gg.untangle(start, progress=False)

@@ -22,7 +22,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
     """Write a file so that `path` holds either what it held before or all of `data`, at every moment.
 
     The data go to a new file in the same folder, are flushed to the disk, and are then renamed over `path`;
-    if anything fails, the new file is removed again. A file that is replaced hands on its permissions. A symbolic link
+    if anything fails, the new file is removed again. A file that is replaced keeps its permissions. A symbolic link
     is followed, not replaced. A character device, and a pipe that is being read, are written to.
 
     Args:
@@ -31,13 +31,13 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
         mode: its permissions; by default those of the file that is replaced, or what the user's umask leaves.
 
     Raises:
-        GridgenError: if the folder is missing or closed to us, the disk full, the file read-only, or `path` a folder
-            or another thing that is no file.
+        GridgenError: if the folder is missing or may not be written to, the disk is full, the file is read-only, or
+            `path` is a folder or another thing that is no file.
     """
     target = check_target(path)
     try:
         _check_link(Path(path))
-        old = target.lstat() if os.path.lexists(target) else None  # A link that is left goes round in circles.
+        old = target.lstat() if os.path.lexists(target) else None  # A link that still is one is circular.
         if old is None or stat.S_ISREG(old.st_mode):
             _replace(target, data, mode, old)
         else:
@@ -53,7 +53,7 @@ def check_target(path: str | os.PathLike[str]) -> Path:
     """Return the file that a path leads to, once it is known that one can be written there, as far as can be seen.
 
     Raises:
-        GridgenError: if it is a folder or read-only, or its folder is missing or closed to us.
+        GridgenError: if it is a folder or read-only, or its folder is missing or without permission.
     """
     target = Path(os.path.realpath(path))
     if os.path.isdir(target):  # Unlike Path.is_dir, never an error, not even for a name too long.
@@ -135,7 +135,7 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
     """Return the bytes of a file, of which there must be some.
 
     Raises:
-        GridgenError: if the file is missing, a folder, a device, closed to us, or empty.
+        GridgenError: if the file is missing, a folder, a device, without permission, or empty.
     """
     try:
         status = os.stat(path)

@@ -1,4 +1,4 @@
-"""Move nodes towards a density: the boundary slides, and the functional is minimized with a damped weight.
+"""Move nodes toward a density: the boundary slides, and the functional is minimized with a damped weight.
 
 The weight is damped, by geometric means of the last one and the one of the density, and not the displacement of the
 nodes: every grid is then a minimum of the functional, as valid as its barrier makes it, while the mean of two valid

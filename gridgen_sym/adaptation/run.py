@@ -105,7 +105,7 @@ class Run:
         """Return the outcome for a grid whose nodes no longer move: that can mean that they cannot."""
         if self.mover.failure:
             name = self.mover.functional.name
-            why = f"nodes move no farther, but {name} is not minimised: {self.mover.failure}"
+            why = f"nodes move no farther, but {name} is not minimized: {self.mover.failure}"
             return Outcome(Status.STALLED, why)
         message = f"the grid has settled: its last step moved no node by more than {distance:.1e}."
         if not self._estimates or self.history[-1].error <= self.history[0].error:

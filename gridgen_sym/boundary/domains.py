@@ -156,7 +156,7 @@ def quarter_annulus() -> Sides[Side]:
     return Sides(bottom, line((1, 0), (2, 0)), top, line((0, 1), (0, 2)))
 
 
-@_classical("a Z-shaped channel: half of its transfinite cells are turned over")
+@_classical("a Z-shaped channel: half of its transfinite cells are inverted")
 def zee() -> Sides[Side]:
     """Give the sides of the zee; choose nj - 1 divisible by 4 to have nodes on its corners."""
     strokes, at = [(0.0, 0.0), (0.0, 1.0), (0.6, 0.4), (0.6, 1.4)], [0.0, 0.25, 0.75, 1.0]
@@ -165,7 +165,7 @@ def zee() -> Sides[Side]:
     return Sides(line((0, 0), (1, 0)), right, line((0.6, 1.4), (1.6, 1.4)), left)
 
 
-@_classical("an O-grid round a NACA 0012 section out to a circle of radius 2, cut behind the trailing edge")
+@_classical("an O-grid around a NACA 0012 section out to a circle of radius 2, cut behind the trailing edge")
 def naca(thickness: float = 0.12, radius: float = 2.0) -> Sides[Side]:
     """Give the sides of the O-grid: the section inside, the circle outside, the two banks of the cut.
 

@@ -79,7 +79,7 @@ class Grid:
             i, j = (int(index) for index in np.argwhere(bad)[0])
             raise GridgenError(
                 f"every node must be finite, but node ({i}, {j}) is ({planes[0, i, j]}, {planes[1, i, j]}), "
-                f"the first of {int(bad.sum())} such nodes: mend or interpolate them"
+                f"the first of {int(bad.sum())} such nodes: repair or interpolate them"
             )
         planes.setflags(write=False)
         object.__setattr__(self, "planes", planes)
@@ -120,7 +120,7 @@ class Grid:
         return hash((self.shape, (self.planes + 0.0).tobytes()))
 
     def __repr__(self) -> str:
-        """Say the size and the extent, not the thousands of numbers."""
+        """Report the size and the extent, not the thousands of numbers."""
         (x0, x1), (y0, y1) = ((float(p.min()), float(p.max())) for p in self.planes)
         ni, nj = self.shape
         return f"Grid({ni} x {nj} nodes, x in [{x0:g}, {x1:g}], y in [{y0:g}, {y1:g}])"
@@ -180,7 +180,7 @@ def corner_jacobians(x: Array, y: Array) -> Array:
 
     One-sided differences along increasing xi and eta, with unit steps in the index: J is twice the signed
     area of the triangle at that corner, and all four are positive exactly when the cell is convex and not
-    turned over.
+    inverted.
 
     Args:
         x: the x coordinates, shape (ni, nj).

@@ -83,7 +83,7 @@ class Quality:
         return self.summary()
 
     def describe_folds(self, limit: int = 5) -> str:
-        """Say how many cells are folded and where the first `limit` of them are (indices and centers)."""
+        """Report how many cells are folded and where the first `limit` of them are (indices and centers)."""
         if self.valid:
             return f"valid: no folded cell among {self.cells}"
         verb = "is" if self.folded_cells == 1 else "are"

@@ -60,7 +60,7 @@ def read(path: str | os.PathLike[str]) -> Grid:
 
 
 def write(grid: Grid, path: str | os.PathLike[str]) -> None:
-    """Write a grid to the kind of file that the suffix names, whole or not at all.
+    """Write a grid to the kind of file that the suffix names, completely or not at all.
 
     Numbers have 17 significant digits (or are binary), so that reading gives back the same grid bit by bit.
 

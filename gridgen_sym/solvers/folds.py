@@ -37,7 +37,7 @@ class Folds:
 
         Args:
             coordinates: (2, ni, nj).
-            fixed: (ni, nj), non-zero at nodes that do not move; with it, only folds that moving others may mend count.
+            fixed: (ni, nj), non-zero at nodes that do not move; then only folds count that moving others may repair.
             rows: (ni - 1,), the smallest Jacobian of each row of cells, where that is known: where it is clearly
                 positive nothing is looked at.
         """

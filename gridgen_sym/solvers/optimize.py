@@ -1,4 +1,4 @@
-"""Minimise a discrete functional: the public `optimize` and `untangle`."""
+"""Minimize a discrete functional: the public `optimize` and `untangle`."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def optimize(
     progress: bool | None = None,
     backend: str | None = None,
 ) -> Result:
-    """Minimise a functional over the positions of the free nodes; the boundary stays.
+    """Minimize a functional over the positions of the free nodes; the boundary stays.
 
     A folded start of a barrier functional is untangled first, as by `untangle`. A valid start gives a valid result,
     unless a functional without a barrier is allowed to fold cells by `keep_valid=False`. Where no valid grid exists
@@ -135,7 +135,7 @@ def untangle(
     progress: bool | None = None,
     backend: str | None = None,
 ) -> Result:
-    """Make a folded grid valid, with the regularised barrier of a functional; a valid grid is returned as it is.
+    """Make a folded grid valid, with the regularized barrier of a functional; a valid grid is returned as it is.
 
     Coarse grids of the same boundary are untangled first. It stops at a valid grid, or when progress has ended: then
     the result is the least folded grid that was found, its message names the cells, and `converged` is False.

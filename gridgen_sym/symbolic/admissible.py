@@ -15,7 +15,7 @@ from ..functionals.definition import Functional
 from ..functionals.expression import comparisons
 from ..functionals.metric import symbol
 
-#: A random value that is not admissible is moved towards the default, half of the way each time, so often.
+#: A random value that is not admissible is moved toward the default, half of the way each time, so often.
 _HALVINGS = 20
 
 

@@ -62,7 +62,7 @@ def test_the_time_limit_gives_the_last_grid_whose_solution_is_known(monkeypatch)
     assert (len(solved), result.grid) == (3, solved[-1])
 
 
-def test_the_time_limit_ends_a_minimisation_of_an_adaptation(monkeypatch):
+def test_the_time_limit_ends_a_minimization_of_an_adaptation(monkeypatch):
     start = square(17)
     monkeypatch.setattr("time.monotonic", count(0.0, 0.01).__next__)
     assert gg.adapt(start, ring, time_limit=1e9).stopped_by is None

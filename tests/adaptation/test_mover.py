@@ -41,7 +41,7 @@ def test_a_grid_that_cannot_move_is_not_called_settled():
     result = gg.adapt(start, "tanh(20*(x - 0.2))", functional="length")
     assert result.quality.valid
     assert not result.converged
-    assert "length is not minimised: every step downhill that was tried would fold a cell" in result.message
+    assert "length is not minimized: every step downhill that was tried would fold a cell" in result.message
 
 
 def solver(grid):

@@ -67,7 +67,7 @@ def script(path: Path, *lines: str) -> str:
 
 @pytest.fixture
 def quick_compiler(monkeypatch, tmp_path, cache):
-    """The real compiler, without the optimisation that takes most of its time."""
+    """The real compiler, without the optimization that takes most of its time."""
     options = 'for argument in "$@"; do shift; [ "$argument" = -O3 ] || set -- "$@" "$argument"; done'
     monkeypatch.setenv("CC", script(tmp_path / "quick", options, f'exec "{COMPILER}" "$@"'))
 

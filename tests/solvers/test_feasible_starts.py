@@ -29,7 +29,7 @@ def neck():
     return grid_of_ring(smooth_curve(3211, 12, 0.6), 5, 3)
 
 
-#: Seed, shape and thickness of bands that minima of a regularised barrier do not lead to a valid grid of.
+#: Seed, shape and thickness of bands that minima of a regularized barrier do not lead to a valid grid of.
 BANDS = [(20111, 6, 7, 3e-2), (20304, 8, 7, 3e-2), (907, 8, 5, 1e-2), (732, 9, 8, 1e-2)]
 
 

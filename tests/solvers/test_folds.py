@@ -1,4 +1,4 @@
-"""Counting folds, and what is cut out or spread round them."""
+"""Counting folds, and what is cut out or spread around them."""
 
 from __future__ import annotations
 

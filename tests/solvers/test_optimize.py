@@ -164,7 +164,7 @@ def test_the_hessian_leaves_fixed_nodes_out():
 
 # Equal areas around the inner nodes alone pull nodes over the boundary, which keep_valid prevents.
 @pytest.mark.parametrize("name", [name for name in FUNCTIONALS if name != "area"])
-def test_the_papers_set_of_corners_can_be_minimised(name):
+def test_the_papers_set_of_corners_can_be_minimized(name):
     start = mild_grid()
     result = gg.optimize(start, name, interior_only=True)
     assert result.converged, result.message

@@ -210,7 +210,7 @@ def test_whatever_ends_it_the_least_folded_grid_is_left(monkeypatch):
 
 
 def search(knot):
-    """A search from a uniform grid of which a square of so many nodes is turned over."""
+    """A search from a uniform grid of which a square of so many nodes is inverted."""
     place = np.stack(np.meshgrid(np.arange(41.0), np.arange(41.0), indexing="ij"))
     inside = np.s_[:, 10 : 10 + knot, 10 : 10 + knot]
     place[inside] = place[inside][:, ::-1, ::-1]

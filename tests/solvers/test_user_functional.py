@@ -36,7 +36,7 @@ def springy():
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("which", ["walled", "springy"])
-def test_it_is_minimised_on_both_backends(method, which, backend, request):
+def test_it_is_minimized_on_both_backends(method, which, backend, request):
     definition = request.getfixturevalue(which)
     start = mild_grid(8, 7)
     result = gg.optimize(start, which, method, backend=backend, tolerance=1e-8)

@@ -1,7 +1,7 @@
 """Newton's method on the discrete Euler–Lagrange equations.
 
 Where they are elliptic, the linear systems are solved by the backend's solver and a line search keeps the residual's
-norm falling. Where they are not, or where that fails, Levenberg's damping minimises the norm instead.
+norm falling. Where they are not, or where that fails, Levenberg's damping minimizes the norm instead.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def solve_by_newton(
     if control.holds_back:
         return Outcome(
             Status.HELD_BACK,
-            "every step towards a solution that was tried would fold a cell; whether a valid grid solves the equations "
+            "every step toward a solution that was tried would fold a cell; whether a valid grid solves the equations "
             f"is not known. The residual's norm is {norm:.2e}, {norm / first:.1e} of its first value. This is the best "
             "valid grid; keep_valid=False lets cells fold.",
         )

@@ -44,9 +44,9 @@ class Nested:
 
     Attributes:
         make: binds the functional and its weight to a grid.
-        functional: what is minimised.
+        functional: what is minimized.
         parameters: of the functional.
-        report: is told of every step.
+        report: receives every step.
         solved: (2, ni, nj), the finest grid that is done.
     """
 

@@ -1,7 +1,7 @@
 """Minimize a functional with a regularized barrier, and sharpen the barrier: the path to a valid grid.
 
 The Jacobian J is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2, which is positive everywhere; epsilon is driven to
-zero while the energy is minimised (Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, "Foldover-free maps in
+zero while the energy is minimized (Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, "Foldover-free maps in
 50 lines of code"; Escobar et al. 2003). chi is a substitution in the derivation, so every barrier functional has it.
 
 The minima for falling epsilon lie on a path, and Newton's method follows it in large steps: epsilon falls by a

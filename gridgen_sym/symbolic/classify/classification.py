@@ -1,6 +1,6 @@
 """Classify a functional: everything is decided from its density, nothing from its name.
 
-Parameters stand at their default values, but for polyconvexity, which is decided for all that are admissible. Claims
+Parameters have their default values, but for polyconvexity, which is decided for all that are admissible. Claims
 about the type hold where J > 0, that is on valid grids, and away from kinks.
 """
 
@@ -40,7 +40,7 @@ class Classification:
         functional: what was classified.
         variant: how the weight enters.
         linear: whether the Euler–Lagrange equations are linear in x and y; else they are quasilinear.
-        coupled: whether the equation of x contains y, or the other way round.
+        coupled: whether the equation of x contains y, or vice versa.
         symbol: the 2x2 principal symbol A(k) in k1 and k2.
         determinant: of the principal symbol, in the metric symbols where it can be written in them.
         ellipticity: the type where J > 0, and how it is known.

@@ -50,7 +50,7 @@ class CornerModel:
     Attributes:
         functional: what it was derived from.
         variant: how the weight enters, or `regularized`.
-        parameters: the symbols of the functional's parameters (and `epsilon` of the regularised barrier).
+        parameters: the symbols of the functional's parameters (and `epsilon` of the regularized barrier).
         energy: the corner energy.
         slopes: its derivatives in the metric symbols and, where the density names them, in the components of the edge
             vectors, by symbol, without those that are zero.
@@ -93,7 +93,7 @@ def variant_density(functional: Functional, variant: Variant) -> Expr:
     `regularized` replaces J by chi.
 
     Raises:
-        GridgenError: if a functional without a barrier is to be regularised.
+        GridgenError: if a functional without a barrier is to be regularized.
     """
     density = functional.expression()
     if variant in ("frozen", "differentiated"):
@@ -102,7 +102,7 @@ def variant_density(functional: Functional, variant: Variant) -> Expr:
     if variant == "regularized":
         if not has_barrier(functional):
             raise GridgenError(
-                f"functional {functional.name!r} has no barrier at J = 0: there is nothing to regularise"
+                f"functional {functional.name!r} has no barrier at J = 0: there is nothing to regularize"
             )
         return density.subs(J, chi)
     return density

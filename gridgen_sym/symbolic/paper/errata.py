@@ -197,7 +197,7 @@ ERRATA = (
         (),
         "the sums run over inner nodes, so that corners at boundary nodes have no barrier and may fold",
         (
-            r"Node $k$ runs over the $n$ internal nodes, and $i$ over the four cells round it: corners at boundary "
+            r"Node $k$ runs over the $n$ internal nodes, and $i$ over the four cells around it: corners at boundary "
             r"nodes are in no sum. On $3 \times 3$ nodes of the unit square whose lower middle node is at "
             r"$(0.15, 0.5)$, the minimum of the Winslow sum has a corner with $J < 0$ at that node, although a valid "
             r"grid with this boundary exists. The program sums over all corners of all cells; with "
