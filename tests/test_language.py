@@ -21,7 +21,16 @@ PAGES = [
 SCRIPTS = sorted(
     [*(ROOT / "examples").glob("*.py"), *(ROOT / "benchmarks").glob("*.py"), *(ROOT / "benchmarks").glob("*.md")]
 )
-FILES = [*TOP, *PAGES, *SCRIPTS]
+#: Code: names, docstrings, comments and messages. Two files here name what they must not use.
+CODE = [
+    path
+    for folder in ("gridgen_sym", "templates", "tests", "docs/_ext")
+    for path in sorted((ROOT / folder).rglob("*"))
+    if path.suffix in (".py", ".jinja", ".c", ".h")
+    and "mathjax" not in path.parts
+    and path.name not in ("test_language.py", "test_public_names.py")
+]
+FILES = [*TOP, *PAGES, *SCRIPTS, *CODE]
 
 BRITISH = re.compile(
     r"\w*(?:(?:(?:mini|maxi|opti)m|regular|linear|normal|initial|general|parametr|parameter|organ|recogn|summar|symmetr"

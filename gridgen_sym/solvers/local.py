@@ -1,4 +1,4 @@
-"""The paper's method (Section 3): minimise the energy over one node at a time, sweep after sweep.
+"""The paper's method (Section 3): minimize the energy over one node at a time, sweep after sweep.
 
 A sweep visits the nodes in four colors; nodes of one color share no corner. Each visit is one damped
 Newton step on the local energy, the sum over the 12 corners that contain the node.
@@ -23,7 +23,7 @@ def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, re
     """Visit every node that is not in `fixed` once, in place; the weight is not evaluated anew.
 
     Args:
-        problem: what is minimised.
+        problem: what is minimized.
         coordinates: (2, ni, nj).
         fixed: (ni, nj), non-zero at nodes that stay; all of `problem.fixed` and any others.
         floor: no step takes the Jacobian of a corner from above it to below it; a negative one lets cells fold.

@@ -24,12 +24,12 @@ from .untangling.strategies import STRATEGIES, begin_search
 
 @dataclass(slots=True)
 class Run:
-    """One run of a solver that minimises; every method leaves `coordinates` as the best grid so far.
+    """One run of a solver that minimizes; every method leaves `coordinates` as the best grid so far.
 
     Attributes:
         problem: on the grid itself.
         make: binds the same functional and weight to another grid.
-        functional: what is minimised.
+        functional: what is minimized.
         parameters: of the functional.
         coordinates: (2, ni, nj).
         report: is told of every step.

@@ -126,7 +126,7 @@ class Problem:
         if self.weight is None:
             same = self.kernels.null_lagrangian and not self.interior_only
             what = f" The energy of {self.kernels.functional} is the same for every grid with this boundary"
-            return f"{what}: there is nothing to minimise." if same else ""
+            return f"{what}: there is nothing to minimize." if same else ""
         if self._planes is not None and not self._planes[0].any():
             flat = self.energy(coordinates)[0] == 0
             return (
@@ -146,7 +146,7 @@ class Problem:
             if self.kernels.barrier:
                 bound = "the energy may have no lower bound, and then"
             said += (
-                f" The weight is negative at {negative} of {coordinates[0].size} nodes: {bound} no grid minimises it."
+                f" The weight is negative at {negative} of {coordinates[0].size} nodes: {bound} no grid minimizes it."
             )
         return said
 

@@ -30,7 +30,7 @@ def test_every_grid_is_a_solution_of_a_null_lagrangian(constant_kernels, backend
     assert result.grid == start
     assert result.message.endswith(
         "are folded. The energy of null_lagrangian is the same for every grid with this boundary: "
-        "there is nothing to minimise."
+        "there is nothing to minimize."
     )
     assert gg.energy(gg.optimize(start, "winslow").grid, "null_lagrangian") == pytest.approx(result.energy, rel=1e-12)
 

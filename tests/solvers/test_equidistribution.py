@@ -155,7 +155,7 @@ def test_hessian_is_that_of_the_energy_of_its_mode(name, mode):
 
 
 def test_difference_of_the_modes_can_fail():
-    """The gradient of one mode is not that of the other: the checks above could tell them apart."""
+    """The gradient of one mode is not that of the other: the checks above could distinguish them."""
     grid = gg.Grid.from_planes(*uneven_grid())
     frozen, differentiated = (gg.gradient(grid, "area", weight=gg.Weight(FORMULA, mode=mode)) for mode in MODES)
     assert abs(frozen - differentiated).max() > 0.1 * abs(frozen).max()

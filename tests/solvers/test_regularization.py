@@ -234,7 +234,7 @@ def test_a_window_is_unfolded_by_itself():
 def test_a_window_begins_at_the_least_folded_grid_and_gives_back_whatever_ends_it(monkeypatch):
     given, found = [], search(5)
     found.parameters = {"k": 2.0}
-    found.best.coordinates = found.start + 100.0  # As folded as the start, and told apart from it.
+    found.best.coordinates = found.start + 100.0  # As folded as the start, and distinguished from it.
 
     def stopped(search, problem, place):
         given.append(search.parameters)

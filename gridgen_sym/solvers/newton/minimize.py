@@ -57,10 +57,10 @@ def minimize(
     reference: float | None = None,
     solver: LinearSolver | None = None,
 ) -> Outcome:
-    """Minimise until the gradient's norm has fallen by the factor `tolerance`; changes `coordinates` in place.
+    """Minimize until the gradient's norm has fallen by the factor `tolerance`; changes `coordinates` in place.
 
     Args:
-        problem: what is minimised.
+        problem: what is minimized.
         coordinates: (2, ni, nj), the start and the result.
         progress: is told of every step.
         tolerance: factor by which the gradient's norm must fall.

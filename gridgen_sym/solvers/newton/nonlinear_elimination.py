@@ -1,4 +1,4 @@
-"""Minimise over the few nodes whose gradient stands out, before Newton's method moves all nodes at once.
+"""Minimize over the few nodes whose gradient stands out, before Newton's method moves all nodes at once.
 
 Where a finer grid sees bays of the boundary that coarser ones did not know, its start is folded, or only just valid,
 in a few places. There Newton's method raises the smallest Jacobian by no more than a factor 1.5 a step, which is what

@@ -1,4 +1,4 @@
-"""What ends a run before its end: Ctrl-C, a callback, or the time limit, for which all that works for long asks."""
+"""What ends a run early: Ctrl-C, a callback, or the time limit, which all long-running stages check."""
 
 from __future__ import annotations
 

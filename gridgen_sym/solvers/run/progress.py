@@ -17,7 +17,7 @@ class Progress(LiveLine):
 
     Attributes:
         history: the steps of the last stage.
-        deadline: of the run; whoever works for long between two steps asks it.
+        deadline: of the run; every long-running stage between two steps checks it.
         callback_error: what the user's callback has raised, if anything.
     """
 

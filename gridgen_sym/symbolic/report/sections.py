@@ -46,7 +46,7 @@ class Section:
 
     Attributes:
         title: its title; sections that follow each other may share it.
-        subtitle: what tells them apart.
+        subtitle: what distinguishes them.
         items: sentences, named expressions and equations.
         detail: whether it is for reference: what a page shows when asked only.
     """
