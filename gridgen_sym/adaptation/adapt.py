@@ -97,8 +97,10 @@ def adapt(
     source = source_of(solution, grid)
     start, note = _valid_start(grid, fixed, deadline, backend)
     sides = sliding_sides(start, boundary, fixed)
-    mover = Mover(definition, exponent, parameters, fixed_mask(grid, fixed), backend, damping, sides, deadline)
-    run = Run(source, as_monitor(monitor), mover, start)
+    chosen = as_monitor(monitor)
+    mask = fixed_mask(grid, fixed)
+    mover = Mover(definition, exponent, parameters, mask, backend, damping, sides, chosen.side_exponent, deadline)
+    run = Run(source, chosen, mover, start)
     with Live(f"adapt, {definition.name}", callback, progress) as live:
         outcome = run.until_ended(steps, moves or source.moves, tolerance, live)
     return run.result(Outcome(outcome.status, note + outcome.message))

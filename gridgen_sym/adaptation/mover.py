@@ -43,6 +43,7 @@ class Mover:
         backend: `c`, `numpy` or the default.
         damping: how far the next weight goes to the one of the density; the first one is given, others follow.
         sides: where boundary nodes slide.
+        side_exponent: the power of the density that they equidistribute.
         deadline: of the adaptation.
         weight: the last weight (ni, nj); at first that under which the start is equidistributed.
         failure: why the last minimization did not converge, or nothing.
@@ -56,6 +57,7 @@ class Mover:
     backend: str | None
     damping: float
     sides: list[Side]
+    side_exponent: float = 1.0
     deadline: Deadline = field(default_factory=Deadline)
     weight: Array | None = None
     failure: str = ""
@@ -77,7 +79,7 @@ class Mover:
     def _move(self, start: Grid, density: Array) -> Grid:
         if self.weight is None:
             self.weight = weight_values(nodal(1 / cell_areas(start)), start, self.weight_exponent)
-        grid = slide(self.sides, start, density, self.fixed, min(self.damping, 1.0))
+        grid = slide(self.sides, start, density**self.side_exponent, self.fixed, min(self.damping, 1.0))
         residual = np.log(weight_values(density, grid, self.weight_exponent) / self.weight)
         self._choose_damping(residual)
         self.weight = self.weight * np.exp(self.damping * residual)
