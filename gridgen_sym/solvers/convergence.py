@@ -1,4 +1,4 @@
-"""When a gradient is small enough: a fraction of what it was, or all that rounding leaves of it."""
+"""The convergence test: the gradient is a given fraction of its first norm, or as small as rounding allows."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from .folds import mean_jacobian
 from .iterate import Iterate
 from .run.status import Outcome, Status
 
-#: A factor for the gradient to fall by that no rounding is in the way of.
+#: A factor by which the gradient can always fall in spite of rounding.
 _MODEST = 0.1
 #: A smallest Jacobian below this part of the mean is nearly folded. If the energy then falls by the factor, the start
-#: was no measure of anything.
+#: did not set the scale of the test.
 _ALL_BUT_FOLDED, _STEEP = 1e-3, 0.1
 
 
@@ -33,7 +33,7 @@ class ConvergenceTest:
         self._tolerance, self._energy, self._steep = tolerance, abs(iterate.energy), _is_steep(iterate)
         self.scale = iterate.problem.gradient_scale(iterate.coordinates, iterate.energy)
         self.first = min(reference or iterate.norm, self.scale or iterate.norm)
-        # Who asks for little will not come near to rounding.
+        # A loose tolerance does not come near to rounding.
         self._round_off = _round_off(iterate) if tolerance < _MODEST else 0.0
 
     @property
@@ -59,7 +59,7 @@ class ConvergenceTest:
 
 
 def converged(what: str, norm: float, first: float, iteration: int, remark: str = "") -> Outcome:
-    """Return how a run ends that meets its convergence test, with a remark; `what` is `gradient` or `residual`."""
+    """Return the end of a run that meets its convergence test, with a remark; `what` is `gradient` or `residual`."""
     if iteration == 0:
         message = f"the start is a solution already: the {what}'s norm is {norm:.2e}."
     else:

@@ -13,9 +13,9 @@ from ..grids import corner_jacobians, folded_corners
 
 #: Folds are counted among so many nodes at once, whose Jacobians stay in the processor's cache.
 _NUMBERS = 4096
-#: So many rows of cells tell the mean of all.
+#: So many rows of cells are sampled for the mean of all.
 _SOME_ROWS = 32
-#: Over the largest: below it, rounding may decide about the sign of a Jacobian.
+#: Relative to the largest: below it, rounding may decide the sign of a Jacobian.
 _DOUBTFUL = 1e-12
 
 
@@ -39,7 +39,7 @@ class Folds:
             coordinates: (2, ni, nj).
             fixed: (ni, nj), non-zero at nodes that do not move; then only folds count that moving others may repair.
             rows: (ni - 1,), the smallest Jacobian of each row of cells, where that is known: where it is clearly
-                positive nothing is looked at.
+                positive nothing is computed.
         """
         looked_at = np.ones(coordinates.shape[1] - 1, dtype=bool)
         cells, smallest = 0, np.inf

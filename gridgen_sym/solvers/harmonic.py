@@ -24,8 +24,8 @@ def move_sides(coordinates: Array, boundary: Array) -> Array:
 def harmonic_extension(first_i: Array, last_i: Array, first_j: Array, last_j: Array) -> Array:
     """Return the solution of Laplace's equation on the 5-point stencil, at the inner nodes, from values at the sides.
 
-    By sine transforms, which make the stencil diagonal. Those of what the sides contribute are known but for one along
-    each side.
+    By sine transforms, which diagonalize the stencil. The contribution of the sides needs one transform along each
+    side only.
     """
     from scipy.fft import dst, idstn
 

@@ -76,10 +76,10 @@ def sweep_until_converged(
     iterate = Iterate(problem, coordinates)
     convergence = ConvergenceTest(iterate, tolerance)
     progress.step(0, iterate.energy, iterate.norm, iterate.smallest)
-    # A node that goes farther in one step has left the domain for good.
+    # A node that moves farther in one step has left the domain.
     reach = 1e3 * float(np.ptp(coordinates))
     guard = keep_valid or problem.kernels.barrier
-    # On a folded start there is no validity to keep, and corners that cannot be mended would hold all others back.
+    # On a folded start there is no validity to keep, and corners that cannot be repaired would block all others.
     floor = jacobian_floor(iterate.smallest) if guard and iterate.smallest > 0 else -1.0
     for iteration in range(max_iterations + 1):
         if convergence.reached(iterate):

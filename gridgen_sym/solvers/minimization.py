@@ -1,4 +1,4 @@
-"""The state of one solver's run: the grid as it is now, and what must be said of how it came about."""
+"""The state of one solver's run: the present grid, and what must be reported on how it was reached."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Run:
         functional: what is minimized.
         parameters: of the functional.
         coordinates: (2, ni, nj).
-        report: is told of every step.
+        report: receives every step.
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
         said: what to report before the solver's own message; None for how a folded start became valid.
@@ -60,9 +60,9 @@ class Run:
         return self.problem.kernels.barrier and not self.problem.energy(self.coordinates)[1] > 0
 
     def start_from_coarse_grids(self) -> None:
-        """Take the start that coarser grids of the same boundary give, if they know all that counts, and it is better.
+        """Take the start from coarser grids of the same boundary, if they represent the problem and it is better.
 
-        Where they are interrupted, the finest one that is done gives the start.
+        After an interruption the finest completed grid gives the start.
         """
         if self._encloses_nothing or not worth_nesting(self.problem, self.coordinates):
             return
@@ -83,7 +83,7 @@ class Run:
         if new_smallest > 0 and smallest > 0:
             better = new_energy < energy
         elif barrier or max(new_smallest, smallest) > 0:
-            # On the wrong side of a barrier the energy means nothing.
+            # On the wrong side of a barrier the energy is meaningless.
             better = self.problem.folds(start) < self.problem.folds(self.coordinates)
         else:
             better = new_energy < energy
@@ -142,7 +142,7 @@ class Run:
         return status is not Status.STALLED or bool(np.isfinite(self.problem.hessian(self.coordinates)).all())
 
     def result(self, outcome: Outcome) -> Result:
-        """Return what the run has found, with what must be said of folded cells and of the weight."""
+        """Return the result of the run, with the report on folded cells and on the weight."""
         self.problem.refresh(self.coordinates)
         energy = self.problem.energy(self.coordinates)[0]
         smallest = float(corner_jacobians(*self.coordinates).min())
@@ -172,14 +172,14 @@ class Run:
         )
 
 
-#: What is said where there is neither a valid grid nor a proof.
+#: The message where neither a valid grid nor a proof is found.
 _NO_PROOF = (
     "No proof was found that there is no valid grid; certificates(grid, search=True, budget=...) searches longer. "
     "More nodes, other corners or another spacing of the boundary nodes may help."
 )
-#: The name of what makes a start valid that coarse grids of nested iteration give.
+#: The strategy that is reported if nested iteration gave a valid start.
 NESTED = "nested iteration"
-#: What the message says of a result whose start was folded.
+#: The message of a result whose start was folded.
 UNTANGLED = "The grid was folded at the start and was untangled first ({}): "
 
 

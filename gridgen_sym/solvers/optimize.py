@@ -25,7 +25,7 @@ from .run.result import Result
 from .run.status import Outcome, Status
 from .run.stopping import run_to_result
 
-#: Newton steps, or sweeps, where the caller does not say.
+#: Default numbers of Newton steps and of sweeps.
 _LIMITS = {"newton": 1000, "local": 5000}
 
 
@@ -65,7 +65,7 @@ def optimize(
         max_iterations: sweeps, or Newton steps, on the grid itself; steps of untangling and on coarser grids are
             not counted. With 0 a start that needs no untangling comes back as it is.
         keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals
-            never do, but at corners that are not summed.
+            never do, except at corners that are not summed.
         interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners. With
             `keep_valid=False` that is the paper's literal minimum: corners at boundary nodes have no barrier there.
         callback: called with every `Step`. StopIteration ends the run, which returns the best grid; any other error
@@ -142,7 +142,7 @@ def untangle(
 
     Args:
         grid: the start.
-        functional: one with a barrier at J = 0; its minimum is what the grid is near to.
+        functional: one with a barrier at J = 0; the grid is near its minimum.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         callback: as in `optimize`.
@@ -151,7 +151,7 @@ def untangle(
         backend: `c` or `numpy`.
 
     Returns:
-        The result; `converged` says whether every corner's Jacobian is positive.
+        The result; `converged` is true if every corner's Jacobian is positive.
 
     Raises:
         GridgenError: if the functional has no barrier, and for other input that cannot be used.
@@ -175,7 +175,7 @@ def untangle(
                 run.start_from_coarse_grids()
             report.begin("untangle", grid.shape)
             valid = run.make_valid()
-            if not report.history:  # Coarse grids, or the start, left nothing to do: the history is this grid.
+            if not report.history:  # The start, or that from coarse grids, is valid: the history is this grid.
                 energy, smallest, gradient = run.problem.energy_gradient(run.coordinates)
                 report.step(0, energy, norm_of(gradient), smallest)
             run.said = ""

@@ -1,4 +1,4 @@
-"""What a solver solves: the kernels of a functional bound to a weight, fixed nodes and a set of corners."""
+"""The discrete problem: the kernels of a functional bound to a weight, fixed nodes and a set of corners."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Problem:
     """Energy, gradient and Hessian as functions of the coordinates (2, ni, nj).
 
     Attributes:
-        kernels: of the functional, in the variant that the weight asks for.
+        kernels: of the functional, in the variant that the weight requires.
         fixed: (ni, nj), non-zero at nodes that do not move; the boundary is fixed.
         weight: the weight, or None.
         interior_only: sum over the corners at inner nodes only, as the paper prints it.
@@ -40,7 +40,7 @@ class Problem:
     _inner_fixed: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        """See once whether inner nodes are fixed: removing their entries takes far longer than those of the sides."""
+        """Check once whether inner nodes are fixed: removing their entries takes far longer than those of the sides."""
         self._inner_fixed = bool(self.fixed[1:-1, 1:-1].any())
 
     def refresh(self, coordinates: Array) -> None:
@@ -94,18 +94,18 @@ class Problem:
     def gradient_scale(self, coordinates: Array, energy: float) -> float:
         """Return the norm that the gradient of this energy has on a grid far from its minimum: E/(h sqrt(nodes)).
 
-        On a grid that is only just valid the gradient is larger by any factor, and no measure of anything.
+        On a nearly folded grid the gradient can be larger by any factor, so it does not set a scale.
         """
         spacing = _spacing(coordinates)
         return abs(energy) / (spacing * float(np.sqrt(coordinates[0].size))) if spacing > 0 else 0.0
 
     def round_off(self, coordinates: Array, gradient: Array) -> float:
-        """Return the norm below which the gradient cannot be told from zero: what rounding of coordinates makes of it.
+        """Return the norm below which the gradient cannot be distinguished from zero: that of rounding errors.
 
-        Measured: by the change of the gradient when every node is moved a little, this way or that.
+        Measured by the change of the gradient when every node moves by a random rounding error.
         """
         size = max(float(coordinates.max()), -float(coordinates.min()))
-        # Before the copy of the grid, so that no two temporaries stand in memory at once.
+        # Before the copy of the grid, so that no two temporaries are in memory at once.
         little, scale = 1e-4 * _spacing(coordinates), self.gradient_scale(coordinates, 1.0)
         # Products of random signs per row and per column are uncorrelated between nodes, and cost nothing.
         rows, columns = (
@@ -117,12 +117,12 @@ class Problem:
         self.refresh(coordinates)
         there -= gradient
         eps, change = float(np.finfo(float).eps), norm_of(there)
-        # A gradient that does not change at all (of a null Lagrangian) still is a sum of terms that round.
+        # A gradient that does not change at all (of a null Lagrangian) still is a sum of rounded terms.
         summed = 10 * eps * scale * abs(energy) if np.isfinite(energy) else 0.0
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
 
     def caution(self, coordinates: Array) -> str:
-        """Return what the user must know of the energy and its weight, with a leading blank, or nothing."""
+        """Return remarks on the energy and its weight for the user, with a leading blank, or nothing."""
         if self.weight is None:
             same = self.kernels.null_lagrangian and not self.interior_only
             what = f" The energy of {self.kernels.functional} is the same for every grid with this boundary"
@@ -171,7 +171,7 @@ def _spacing(coordinates: Array) -> float:
 def inner(first: Array, second: Array) -> float:
     """Return the inner product of two fields (2, ni, nj); infinite or NaN, and not a warning, where it overflows.
 
-    Not by BLAS: its threads would go on spinning on the processors that the kernels' threads need.
+    Not by BLAS: its threads would keep spinning on the processors that the kernels' threads need.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         return float(np.einsum("cij,cij->", first, second))

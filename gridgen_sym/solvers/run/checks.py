@@ -1,4 +1,4 @@
-"""What a solver refuses before it begins: a grid, a mask or controls that mean nothing to it."""
+"""Checks before a solver begins: the grid, the mask of fixed nodes, the options."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def fixed_mask(grid: Grid, fixed: npt.ArrayLike | None) -> Mask:
 def check_controls(
     tolerance: float, max_iterations: int | None, callback: Callback | None, time_limit: float | None
 ) -> None:
-    """Refuse a tolerance, a number of iterations, a callback or a time limit that means nothing."""
+    """Refuse a bad tolerance, number of iterations, callback or time limit."""
     if not isinstance(tolerance, (int, float, np.number)) or not 0 < tolerance < 1:
         raise GridgenError(
             f"tolerance is the factor by which the gradient must fall: between 0 and 1; came {quoted(tolerance)}"
@@ -75,6 +75,6 @@ def check_controls(
 
 
 def check_time_limit(time_limit: float | None) -> None:
-    """Refuse a time limit that means nothing."""
+    """Refuse a bad time limit."""
     if time_limit is not None and not (isinstance(time_limit, (int, float, np.number)) and time_limit > 0):
         raise GridgenError(f"time_limit must be a positive number of seconds; came {quoted(time_limit)}")

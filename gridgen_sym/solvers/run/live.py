@@ -1,4 +1,4 @@
-"""A line on the terminal that says where a long run is."""
+"""A line on the terminal that shows the progress of a long run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ PATIENCE = 1.0
 
 
 class LiveLine:
-    """Shows a line on standard error once a run takes longer than `PATIENCE`, and takes it off at its end."""
+    """Shows a line on standard error once a run takes longer than `PATIENCE`, and removes it at the end."""
 
     def __init__(self, title: str, show: bool | None = None) -> None:
         """Begin.
@@ -33,17 +33,17 @@ class LiveLine:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Take the line off the terminal."""
+        """Remove the line from the terminal."""
         if self._status is not None:
             self._status.stop()
 
     @property
     def seconds(self) -> float:
-        """Return for how long it runs."""
+        """Return the seconds since the start."""
         return time.monotonic() - self._begin
 
     def display(self, text: str) -> None:
-        """Show where the run is, if it takes long."""
+        """Show the progress of the run, if it takes long."""
         if not self._show or self.seconds <= PATIENCE:
             return
         text = f"{self._title}: {text}"

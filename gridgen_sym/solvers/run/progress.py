@@ -48,7 +48,7 @@ class Progress(LiveLine):
         self.history.clear()
 
     def step(self, iteration: int, energy: float, gradient_norm: float, min_jacobian: float) -> None:
-        """Record one step and tell whoever wants to know.
+        """Record one step; call the callback and update the line on the terminal.
 
         Raises:
             StopRequest: if the callback asks for it, or the time is over.

@@ -1,4 +1,4 @@
-"""What every solver returns: the grid, and the whole truth about how it was reached."""
+"""What every solver returns: the grid, and how it was reached."""
 
 from __future__ import annotations
 
@@ -82,6 +82,6 @@ class Result:
         return self.energy / (4 * (ni - 1) * (nj - 1))
 
     def __str__(self) -> str:
-        """Say in one line how it ended."""
+        """Report in one line how it ended."""
         state = "converged" if self.converged else "NOT converged"
         return f"{state} after {self.iterations} iterations: {self.message}"

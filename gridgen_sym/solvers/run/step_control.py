@@ -1,4 +1,4 @@
-"""What keeps steps from folding cells, and sees when it keeps them from the minimum, too."""
+"""The guard that keeps steps from folding cells, and detects when it also keeps them from the minimum."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Array
 
-#: So many steps in a row that are cut short and lead nowhere: the guard holds the grid back.
+#: After so many shortened steps in a row without progress, the guard is what stops the iteration.
 _PATIENCE = 5
 
 
@@ -20,7 +20,7 @@ class StepControl:
         guards: whether cells of a valid grid may not fold.
         floor: the least that any Jacobian may fall to.
         cut: how many steps were cut short so that no cell folds.
-        in_vain: how many of these there were in a row, up to now, that led nowhere.
+        in_vain: how many of the last ones in a row made no progress.
     """
 
     guards: bool
@@ -36,17 +36,17 @@ class StepControl:
         return max(self.floor, 0.1 * smallest) if self.guards and smallest > 0 else -np.inf
 
     def count(self, cut: bool, progress: bool) -> None:
-        """Count a step: whether it was cut short, and whether it has led anywhere."""
+        """Count a step: whether it was cut short, and whether it made progress."""
         self.cut += cut
         self.in_vain = self.in_vain + 1 if cut and not progress else 0
 
     @property
     def holds_back(self) -> bool:
-        """Whether the steps are cut so short, lest cells fold, that they lead nowhere."""
+        """Whether the steps are cut so short that they make no progress."""
         return self.in_vain >= _PATIENCE
 
     def __str__(self) -> str:
-        """Return what to say of steps that were cut short, with a leading blank; nothing where there were none."""
+        """Return the report on steps that were cut short, with a leading blank; empty where there were none."""
         if not self.cut:
             return ""
         return f" {self.cut} step{'s were' if self.cut > 1 else ' was'} cut short so that no cell folds."

@@ -1,4 +1,4 @@
-"""What ends a solver early, and what the user has then: always the best grid so far."""
+"""What ends a solver early; the user always gets the best grid so far."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .status import Outcome, Status, StopReason
 
 
 def run_to_result(solve: Callable[[], Outcome], result: Callable[[Outcome], Result], report: Progress) -> Result:
-    """Run a solver to its end, or to what ends it early, and return what it has by then.
+    """Run a solver until it ends or is stopped, and return its result so far.
 
     Args:
         solve: returns how it has ended; keeps the best grid whatever ends it.
