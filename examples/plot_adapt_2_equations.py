@@ -92,7 +92,7 @@ for k, (name, (domain, exact, solve)) in enumerate(PROBLEMS.items()):
         smooth = gg.optimize(uniform, "winslow").grid
         pairs = [(grid, solve(grid)) for grid in (uniform, smooth)]
         for monitor in WAYS[2:]:
-            result = gg.adapt(smooth, solve, monitor=monitor, steps=6)
+            result = gg.adapt(smooth, solve, monitor=monitor, max_iterations=6)
             assert result.quality.folded_cells == 0
             pairs.append((result.grid, result.values))
             if (nodes, monitor) == (33, "recovery_error"):

@@ -77,7 +77,7 @@ for n, (t, dt) in enumerate(zip(TIMES[:-1], np.diff(TIMES), strict=True), 1):
         """Return the exact solution at the next time."""
         return exact(x, y, t)
 
-    result = gg.adapt(grid, advance, steps=1, moves=1)
+    result = gg.adapt(grid, advance, max_iterations=1, moves=1)
     grid, values = result.grid, result.values
     uniform_values = step(square, uniform_values, t, dt)
     smallest.append(result.quality.min_jacobian)

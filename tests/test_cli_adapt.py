@@ -60,7 +60,7 @@ def test_every_option_reaches_the_library():
     assert "NOT converged after 2 steps" in said
     monitor = gg.Monitor("gradient", feature_fraction=0.5, smoothing=3)
     start = gg.domain("square", 15, 15)
-    expected = gg.adapt(start, RING, monitor=monitor, boundary="fixed", functional="area", steps=2)
+    expected = gg.adapt(start, RING, monitor=monitor, boundary="fixed", functional="area", max_iterations=2)
     assert gg.read("a.npz") == expected.grid
 
 
@@ -109,7 +109,7 @@ def test_values_are_the_density_itself():
         (("square", "--to", "1/x"), "the solution must be finite at every node; it is inf at node (0, 0)"),
         (("square", "--to", "notzip.npz"), "the field notzip.npz: it is no whole NumPy archive"),
         (("square", "--to", "x", "--feature-fraction", "1"), "below 1; came 1.0"),
-        (("square", "--to", "x", "--steps", "-1"), "steps must be a whole number"),
+        (("square", "--to", "x", "--steps", "-1"), "max_iterations must be a whole number"),
         (("square", "--to", "x", "-f", "winslow"), "how 'winslow' places nodes"),
         (("square", "--to", "x", "-o", "a.txt"), "cannot write a.txt"),
         (("square", "--to", "-x", "--monitor", "values"), "density of nodes must be positive"),

@@ -39,7 +39,7 @@ CALLS = {
     "outline": lambda: gg.Outline.read(LONG),
     "adapt": lambda: gg.adapt(SQUARE, LONG),
     "monitor": lambda: gg.Monitor(LONG),
-    "steps": lambda: gg.adapt(SQUARE, "x", steps=LONG),
+    "max_iterations": lambda: gg.adapt(SQUARE, "x", max_iterations=LONG),
     "boundary": lambda: gg.adapt(SQUARE, "x", boundary=LONG),
     "equidistribution": lambda: gg.adapt(SQUARE, "x", functional=LONG),
     "size": lambda: gg.optimize(LONG, "winslow"),

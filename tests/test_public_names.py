@@ -73,3 +73,11 @@ def test_the_old_name_of_the_functional_warns_and_works(call):
 def test_every_solver_takes_the_functional_second():
     solvers = (gg.optimize, gg.untangle, gg.solve_euler_lagrange, gg.energy, gg.gradient, gg.hessian)
     assert {list(inspect.signature(solver).parameters)[1] for solver in solvers} == {"functional"}
+
+
+@pytest.mark.parametrize(("old", "new", "value"), [("steps", "max_iterations", 0), ("power", "weight_exponent", 0.5)])
+def test_old_names_of_adapt_warn_and_work(old, new, value):
+    given = {"max_iterations": 0} | {new: value}
+    with pytest.warns(DeprecationWarning, match=f"{old}=.*{new}"):
+        result = gg.adapt(SQUARE, "x", **({key: number for key, number in given.items() if key != new} | {old: value}))
+    assert result.grid == gg.adapt(SQUARE, "x", **given).grid

@@ -27,6 +27,7 @@ from .source import Solution, source_of
 from .weight_exponent import weight_exponent_of
 
 
+@renamed_argument("steps", "max_iterations")
 @renamed_argument("power", "weight_exponent")
 def adapt(
     grid: Grid,
@@ -36,7 +37,7 @@ def adapt(
     monitor: Monitor | str | Measure = "curvature",
     weight_exponent: float | None = None,
     parameters: Mapping[str, float] | None = None,
-    steps: int = 30,
+    max_iterations: int = 30,
     moves: int | None = None,
     damping: float = 0.5,
     tolerance: float = 1e-3,
@@ -65,7 +66,7 @@ def adapt(
         weight_exponent: the power of the density of nodes that the weight of the functional is; needed for functionals
             of your own.
         parameters: of the functional.
-        steps: at most so many steps.
+        max_iterations: at most so many steps.
         moves: of the nodes in each step, with the density interpolated between. By default 3 for a solver, 1 else.
         damping: how far the first step goes from the weight of the start to the one of the density, above 0 and at most
             1, by geometric means; Aitken's rule chooses it in the next steps.
@@ -90,7 +91,7 @@ def adapt(
         Exception: whatever the callback raises. The attribute `result` of an error after the start holds the last grid
             whose solution is known.
     """
-    _check_arguments(grid, steps, moves, damping, tolerance, boundary, callback, time_limit)
+    _check_arguments(grid, max_iterations, moves, damping, tolerance, boundary, callback, time_limit)
     deadline = Deadline(time_limit)
     definition = find_functional(functional)
     exponent = weight_exponent_of(definition.name, weight_exponent)
@@ -102,13 +103,13 @@ def adapt(
     mover = Mover(definition, exponent, parameters, mask, backend, damping, sides, chosen.side_exponent, deadline)
     run = Run(source, chosen, mover, start)
     with Live(f"adapt, {definition.name}", callback, progress) as live:
-        outcome = run.until_ended(steps, moves or source.moves, tolerance, live)
+        outcome = run.until_ended(max_iterations, moves or source.moves, tolerance, live)
     return run.result(Outcome(outcome.status, note + outcome.message))
 
 
 def _check_arguments(
     grid: Grid,
-    steps: int,
+    max_iterations: int,
     moves: int | None,
     damping: float,
     tolerance: float,
@@ -123,7 +124,7 @@ def _check_arguments(
     """
     check_grid(grid)
     check_size(grid)
-    for name, count, least in (("steps", steps, 0), ("moves", moves, 1)):
+    for name, count, least in (("max_iterations", max_iterations, 0), ("moves", moves, 1)):
         if count is not None and (not isinstance(count, (int, np.integer)) or count < least):
             raise GridgenError(f"{name} must be a whole number, at least {least}; came {quoted(count)}")
     for name, number in (("damping", damping), ("tolerance", tolerance)):

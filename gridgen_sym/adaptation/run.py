@@ -65,11 +65,11 @@ class Run:
     history: list[AdaptStep] = field(default_factory=list)
     carried: SampledField | None = None
 
-    def until_ended(self, steps: int, moves: int, tolerance: float, live: Live) -> Outcome:
+    def until_ended(self, max_iterations: int, moves: int, tolerance: float, live: Live) -> Outcome:
         """Adapt; return how and why it ended."""
         last = "this is the last grid whose solution is known."
         try:
-            return self._until_settled(steps, moves, tolerance, live)
+            return self._until_settled(max_iterations, moves, tolerance, live)
         except StopRequest as stop:
             return Outcome(Status.stopped(stop.by), f"{stop}; {last}")
         except KeyboardInterrupt:
@@ -83,12 +83,12 @@ class Run:
                 error.add_note("Its attribute 'result' holds the last adapted grid whose solution is known.")
             raise
 
-    def _until_settled(self, steps: int, moves: int, tolerance: float, live: Live) -> Outcome:
+    def _until_settled(self, max_iterations: int, moves: int, tolerance: float, live: Live) -> Outcome:
         """Adapt until nothing moves, for so many steps at most."""
         live.report(self._solve_on(self.start, 0.0))
-        if not steps:
+        if not max_iterations:
             return Outcome(Status.ITERATION_LIMIT, "no step was allowed: this is the start.")
-        for _ in range(steps):
+        for _ in range(max_iterations):
             moved = self.mover.toward(self.grid, self.density, moves)
             distance = movement(self.grid, moved)
             live.report(self._solve_on(moved, distance))
@@ -96,9 +96,9 @@ class Run:
                 return self._settled(distance)
         return Outcome(
             Status.ITERATION_LIMIT,
-            f"the grid has not settled in {steps} steps: the last one moved a node by "
-            f"{self.history[-1].movement:.1e}, more than {tolerance:.1e} of the domain's size. Allow more steps, a "
-            "smaller feature_fraction or more smoothing.",
+            f"the grid has not settled in {max_iterations} steps: the last one moved a node by "
+            f"{self.history[-1].movement:.1e}, more than {tolerance:.1e} of the domain's size. Allow more "
+            "with max_iterations, a smaller feature_fraction or more smoothing.",
         )
 
     def _settled(self, distance: float) -> Outcome:

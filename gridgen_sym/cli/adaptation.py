@@ -33,7 +33,7 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
 @click.option("--feature-fraction", type=number, help="Fraction of the nodes that features get.  [default: 0.75]")
 @click.option("--share", type=number, hidden=True, help="The old name of --feature-fraction.")
 @click.option("--smoothing", type=integer, help="Passes of the average of the density.  [default: 2]")
-@click.option("--steps", type=integer, help="At most so many steps.  [default: 30]")
+@click.option("--max-iterations", "--steps", type=integer, help="At most so many steps.  [default: 30]")
 @click.option(
     "--boundary",
     type=click.Choice(("straight", "all", "fixed")),

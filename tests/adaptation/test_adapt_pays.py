@@ -69,7 +69,7 @@ def test_every_domain_can_be_adapted(name):
     def bubble(x, y):
         return np.tanh(20 * (np.hypot(x - center[0], y - center[1]) / size - 0.25))
 
-    result = gg.adapt(start, bubble, steps=12)
+    result = gg.adapt(start, bubble, max_iterations=12)
     assert result.quality.valid
     # Measured: 0.3 to 0.65.
     assert interpolation_error(result.grid, bubble) < 0.75 * interpolation_error(start, bubble)
@@ -80,7 +80,7 @@ def test_a_moving_front_is_followed_by_a_few_steps_at_a_time():
     grid = gg.adapt(square(), lambda x, y: np.tanh(50 * (np.hypot(x, y) - 0.3))).grid
     for radius in np.linspace(0.32, 0.5, 10):
         moved = lambda x, y, r=radius: np.tanh(50 * (np.hypot(x, y) - r))  # noqa: E731
-        result = gg.adapt(grid, moved, steps=2)
+        result = gg.adapt(grid, moved, max_iterations=2)
         assert result.quality.valid
         assert interpolation_error(result.grid, moved) < interpolation_error(square(), moved) / 3
         grid = result.grid
@@ -97,7 +97,7 @@ def test_every_form_of_a_solution_gives_one_grid():
         sympy.tanh(50 * (sympy.sqrt((x - 0.5) ** 2 + (y - 0.5) ** 2) - 0.3)),
     )
     # An odd number of cells: no node stands on the center, where the formulas' derivatives have no value.
-    first, *others = (gg.adapt(square(20), form, steps=4, moves=1).grid for form in forms)
+    first, *others = (gg.adapt(square(20), form, max_iterations=4, moves=1).grid for form in forms)
     for grid in others:
         assert farthest(grid, first) < 1e-7
 

@@ -14,7 +14,7 @@ from .conftest import folded_square, ring, square
 
 
 def test_a_folded_start_is_untangled_and_a_hopeless_one_refused():
-    result = gg.adapt(folded_square(17), ring, steps=2)
+    result = gg.adapt(folded_square(17), ring, max_iterations=2)
     assert "The start was folded and was untangled first" in result.message
     assert result.quality.valid
     with pytest.raises(gg.GridgenError, match="needs a valid start"):
@@ -30,7 +30,7 @@ def test_a_folded_start_is_untangled_as_the_user_wants(monkeypatch):
 
     monkeypatch.setattr(import_module("gridgen_sym.adaptation.adapt"), "untangle", recorded)
     wanted = {"fixed": np.eye(9, dtype=bool), "backend": "numpy"}
-    gg.adapt(folded_square(9), ring, steps=1, time_limit=1e9, **wanted)
+    gg.adapt(folded_square(9), ring, max_iterations=1, time_limit=1e9, **wanted)
     left = given.pop("time_limit")
     assert given == wanted
     # The untangling has what is left of the time, and not the time limit anew.
@@ -45,7 +45,7 @@ def test_a_folded_start_that_cannot_be_untangled_in_time_is_refused():
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        ({"steps": -1}, "steps must be a whole number, at least 0; came -1"),
+        ({"max_iterations": -1}, "max_iterations must be a whole number, at least 0; came -1"),
         ({"moves": 0}, "moves must be a whole number, at least 1; came 0"),
         ({"damping": 0}, "damping must be a number above 0 and at most 1; came 0"),
         ({"tolerance": 2}, "tolerance must be a number above 0"),

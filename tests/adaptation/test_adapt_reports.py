@@ -30,18 +30,18 @@ def test_the_history_tells_of_every_step():
 
 
 def test_progress_is_shown_where_it_takes_long(monkeypatch, live_line):
-    gg.adapt(square(9), ring, steps=1, progress=True)
+    gg.adapt(square(9), ring, max_iterations=1, progress=True)
     assert not live_line, "it did not take long"
     monkeypatch.setattr("gridgen_sym.solvers.run.live.PATIENCE", -1.0)
-    gg.adapt(square(9), ring, steps=1, progress=False)
+    gg.adapt(square(9), ring, max_iterations=1, progress=False)
     assert not live_line
-    gg.adapt(square(9), ring, steps=1, progress=True)
+    gg.adapt(square(9), ring, max_iterations=1, progress=True)
     assert (live_line[0], live_line[-1], len(live_line)) == ("start", "stop", 4)
     assert live_line[2].startswith("adapt, area_winslow: step 1, movement")
 
 
 def test_too_few_steps_are_reported():
-    result = gg.adapt(square(17), ring, steps=2)
+    result = gg.adapt(square(17), ring, max_iterations=2)
     assert result.status is gg.Status.ITERATION_LIMIT
     assert not result.converged
     assert "not settled in 2 steps" in result.message
@@ -57,7 +57,7 @@ def test_a_grid_has_settled_where_the_tolerance_says():
 
 
 def test_without_a_step_no_step_is_spoken_of():
-    result = gg.adapt(square(9), ring, steps=0)
+    result = gg.adapt(square(9), ring, max_iterations=0)
     assert (result.grid, result.iterations, result.converged) == (square(9), 0, False)
     assert result.message.startswith("no step was allowed: this is the start. The estimated error")
 
@@ -67,7 +67,7 @@ def test_nothing_to_adapt_to_leaves_a_uniform_grid():
     assert result.converged
     assert farthest(result.grid, square(17)) < 1e-8
     assert "The solution is 3 at every node: there is nothing to adapt to." in result.message
-    assert "nothing to adapt" not in gg.adapt(square(17), "1e-6*x", steps=1).message
+    assert "nothing to adapt" not in gg.adapt(square(17), "1e-6*x", max_iterations=1).message
 
 
 def test_a_settled_grid_that_is_worse_by_its_own_estimate_is_reported():

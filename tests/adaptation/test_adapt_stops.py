@@ -82,7 +82,7 @@ def test_the_callback_and_the_time_limit_stop_it():
     stopped = gg.adapt(square(17), ring, callback=stop)
     assert (stopped.interrupted, stopped.converged) == (True, False)
     assert stopped.history == tuple(seen)
-    assert stopped.grid == gg.adapt(square(17), ring, steps=2).grid
+    assert stopped.grid == gg.adapt(square(17), ring, max_iterations=2).grid
     assert "the callback stopped it; this is the last grid" in stopped.message
     at_once = gg.adapt(square(17), ring, time_limit=1e-9)
     assert at_once.grid == square(17)
@@ -96,7 +96,7 @@ def test_an_error_on_the_way_holds_the_last_grid():
 
     with pytest.raises(LookupError, match="mine") as caught:
         gg.adapt(square(17), ring, callback=fail)
-    assert caught.value.result.grid == gg.adapt(square(17), ring, steps=2).grid
+    assert caught.value.result.grid == gg.adapt(square(17), ring, max_iterations=2).grid
     assert "'result' holds the last adapted grid" in caught.value.__notes__[0]
     grids = []
 

@@ -185,7 +185,7 @@ def test_spreads_of_weights_that_are_not_positive():
 
 
 def test_transfer_is_exact_for_linear_fields_and_for_the_same_grid():
-    adapted = gg.adapt(SQUARE, ring, steps=3).grid
+    adapted = gg.adapt(SQUARE, ring, max_iterations=3).grid
     line = lambda grid: 2 * grid.x - grid.y  # noqa: E731
     np.testing.assert_allclose(gg.transfer(adapted, line(adapted), SQUARE), line(SQUARE), atol=1e-12)
     u = ring(*adapted.planes)

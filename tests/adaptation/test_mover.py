@@ -20,7 +20,7 @@ def test_every_grid_on_the_way_is_valid_also_with_too_much_asked_of_it():
         front,
         monitor=monitor,
         damping=1.0,
-        steps=6,
+        max_iterations=6,
         callback=lambda step: smallest.append(step.min_jacobian),
     )
     assert min(smallest) > 0
@@ -30,7 +30,7 @@ def test_every_grid_on_the_way_is_valid_also_with_too_much_asked_of_it():
 
 @pytest.mark.parametrize("functional", ["area", "length", "combined"])
 def test_functionals_without_a_barrier_do_not_fold_either(functional):
-    result = gg.adapt(square(17), two_scales, functional=functional, steps=8)
+    result = gg.adapt(square(17), two_scales, functional=functional, max_iterations=8)
     assert result.quality.valid
     assert result.history[-1].error < result.history[0].error
 
@@ -59,14 +59,16 @@ def test_nodes_are_moved_so_often_in_each_step(solution, given, moves, monkeypat
         return optimize(grid, *arguments, **options)
 
     monkeypatch.setattr("gridgen_sym.adaptation.mover.optimize", counted)
-    result = gg.adapt(square(17), solution, steps=2, moves=given)
+    result = gg.adapt(square(17), solution, max_iterations=2, moves=given)
     assert (len(calls), result.iterations) == (2 * moves, 2)
 
 
 def test_parameters_are_those_of_the_functional():
     """With much of Winslow's smoothness the weight changes little."""
     start = square(17)
-    free, stiff = (gg.adapt(start, ring, steps=3, boundary="fixed", parameters={"k": k}).grid for k in (1e-9, 1e3))
+    free, stiff = (
+        gg.adapt(start, ring, max_iterations=3, boundary="fixed", parameters={"k": k}).grid for k in (1e-9, 1e3)
+    )
     assert movement(start, stiff) < 0.1 * movement(start, free)
 
 
@@ -82,7 +84,7 @@ def test_a_front_through_two_corners_settles_soon(nodes):
 
 
 def test_the_damping_of_a_step_is_chosen_anew():
-    shares = [step.damping for step in gg.adapt(square(17), ring, steps=4, damping=0.4).history]
+    shares = [step.damping for step in gg.adapt(square(17), ring, max_iterations=4, damping=0.4).history]
     assert shares[:2] == [0.4, 0.4]
     assert len(set(shares[1:])) == 4
 

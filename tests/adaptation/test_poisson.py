@@ -44,7 +44,7 @@ def poisson_solver(exact, element):
 @pytest.mark.parametrize("exact", [front, shock, ring])
 def test_error_of_the_solution_is_at_most_a_third(exact, measure):
     start, solve = gg.domain("square", 33, 33), poisson_solver(exact, skfem.ElementQuad1)
-    result = gg.adapt(start, solve, monitor=measure, steps=8)
+    result = gg.adapt(start, solve, monitor=measure, max_iterations=8)
     assert result.quality.valid
     assert result.iterations <= 8
     uniform, adapted = (interpolation_error(grid, exact, solve(grid)) for grid in (start, result.grid))
@@ -56,7 +56,7 @@ def test_error_of_the_solution_is_at_most_a_third(exact, measure):
 
 def test_quadratic_elements_profit_too():
     start, solve = gg.domain("square", 25, 25), poisson_solver(shock, skfem.ElementQuad2)
-    result = gg.adapt(start, solve, steps=8)
+    result = gg.adapt(start, solve, max_iterations=8)
     assert result.quality.valid
     uniform, adapted = (interpolation_error(grid, shock, solve(grid)) for grid in (start, result.grid))
     assert adapted < uniform / 3
@@ -65,7 +65,7 @@ def test_quadratic_elements_profit_too():
 def test_the_estimate_follows_the_true_error():
     """The front is seen a little too wide on the uniform grid; on the adapted one the estimate is good."""
     start = gg.domain("square", 33, 33)
-    result = gg.adapt(start, poisson_solver(shock, skfem.ElementQuad1), steps=8)
+    result = gg.adapt(start, poisson_solver(shock, skfem.ElementQuad1), max_iterations=8)
     true = interpolation_error(result.grid, shock, result.values)
     assert 0.5 < result.history[-1].error / true < 2
     assert result.history[-1].error < result.history[0].error / 3

@@ -49,7 +49,7 @@ def test_a_side_slides_between_its_turns():
 
 def test_turns_of_a_side_stay_and_the_domain_keeps_its_shape():
     start = l_shape(17)
-    moved = gg.adapt(start, corner_singularity, steps=4).grid
+    moved = gg.adapt(start, corner_singularity, max_iterations=4).grid
     for corner in L_SHAPE:
         assert np.hypot(*(moved.xy - corner).transpose(2, 0, 1)).min() == 0
     assert not np.array_equal(moved.xy[:, 0], start.xy[:, 0])
@@ -68,7 +68,7 @@ def test_corners_of_a_mask_hold_no_side():
 def test_fixed_inner_nodes_stay_and_hold_their_side():
     fixed = np.zeros((21, 21), dtype=bool)
     fixed[5, 5], fixed[0, 10] = True, True
-    result = gg.adapt(square(21), shock, fixed=fixed, steps=4)
+    result = gg.adapt(square(21), shock, fixed=fixed, max_iterations=4)
     assert np.array_equal(result.grid.xy[5, 5], square(21).xy[5, 5])
     assert np.array_equal(result.grid.xy[0], square(21).xy[0])
     assert not np.array_equal(result.grid.xy[:, 0], square(21).xy[:, 0])
@@ -83,7 +83,7 @@ def test_boundary_nodes_never_go_beyond_their_targets(monkeypatch):
         return slide(sides, grid, density, fixed, damping)
 
     monkeypatch.setattr("gridgen_sym.adaptation.mover.slide", recorded)
-    result = gg.adapt(square(17), "tanh(10*(x + y - 1))", steps=8, damping=0.5)
+    result = gg.adapt(square(17), "tanh(10*(x + y - 1))", max_iterations=8, damping=0.5)
     assert max(step.damping for step in result.history) > 1
     assert max(dampings) == 1
 
@@ -100,7 +100,7 @@ def test_curved_domains_keep_their_shape():
     assert interpolation_error(result.grid, spot) < 0.7 * interpolation_error(start, spot)
     for side in (np.s_[:, 0], np.s_[:, -1]):
         assert np.array_equal(result.grid.xy[side], start.xy[side])
-    free = gg.adapt(start, spot, boundary="all", steps=5)
+    free = gg.adapt(start, spot, boundary="all", max_iterations=5)
     assert free.quality.valid
     assert not np.array_equal(free.grid.xy[:, -1], start.xy[:, -1])
     # Every boundary node stays on the polygon of its side.

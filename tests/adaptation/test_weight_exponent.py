@@ -39,9 +39,9 @@ def test_a_functional_of_ones_own_needs_its_exponent():
     own = gg.define("own_adaptive", lambda m: m.s * (m.g11 + m.g22) + 1e-7 / m.J, replace=True)
     with pytest.raises(gg.GridgenError, match="how 'own_adaptive' places nodes with a weight is not known"):
         gg.adapt(square(17), ring, functional=own)
-    result = gg.adapt(square(), ring, functional=own, weight_exponent=1, steps=5)
+    result = gg.adapt(square(), ring, functional=own, weight_exponent=1, max_iterations=5)
     with pytest.warns(DeprecationWarning, match=r"power=.*weight_exponent"):
-        assert gg.adapt(square(), ring, functional=own, power=1, steps=5).grid == result.grid
+        assert gg.adapt(square(), ring, functional=own, power=1, max_iterations=5).grid == result.grid
     assert result.quality.valid
     assert interpolation_error(result.grid, ring) < 0.5 * interpolation_error(square(), ring)
 
@@ -49,6 +49,6 @@ def test_a_functional_of_ones_own_needs_its_exponent():
 @pytest.mark.parametrize("scale", [1e-3, 1e4])
 def test_units_do_not_matter(scale):
     function = lambda x, y: 7 * scale * ring(x / scale, y / scale)  # noqa: E731
-    plain = gg.adapt(square(21), ring, steps=5).grid
-    scaled = gg.adapt(gg.Grid(square(21).xy * scale), function, steps=5).grid
+    plain = gg.adapt(square(21), ring, max_iterations=5).grid
+    scaled = gg.adapt(gg.Grid(square(21).xy * scale), function, max_iterations=5).grid
     assert farthest(gg.Grid(scaled.xy / scale), plain) < 1e-6

@@ -53,7 +53,7 @@ def test_one_conversion_serves_weights_adaptation_and_errors(form):
     expected = gg.energy(SQUARE, "area", weight=line)
     assert gg.energy(SQUARE, "area", weight=given) == pytest.approx(expected)
     assert gg.interpolation_error(SQUARE, given) < 1e-12
-    adapted = gg.adapt(SQUARE, given, steps=1)
+    adapted = gg.adapt(SQUARE, given, max_iterations=1)
     np.testing.assert_allclose(adapted.values, line(*adapted.grid.planes), atol=1e-9)
     assert gg.equidistribution(SQUARE, given).weight.variation == pytest.approx(
         gg.equidistribution(SQUARE, line).weight.variation

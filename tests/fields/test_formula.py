@@ -110,7 +110,7 @@ def test_values_and_derivatives_of_text_do_without_sympy():
     code = (
         "import sys, gridgen_sym as gg; square = gg.domain('square', 7, 7);"
         "weight = gg.Weight('1 + x**2*y', 'differentiated');"
-        "gg.gradient(square, 'area', weight=weight); gg.adapt(square, 'tanh(9*x*y)', steps=1);"
+        "gg.gradient(square, 'area', weight=weight); gg.adapt(square, 'tanh(9*x*y)', max_iterations=1);"
         "gg.interpolation_error(square, 'x*y'); sys.exit('sympy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
