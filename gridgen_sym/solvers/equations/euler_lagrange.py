@@ -35,7 +35,7 @@ from .residual import Equations
 #: How near to the minimum a grid is brought that was folded at the start.
 _NEAR, _STEPS_NEAR = 1e-2, 50
 _FOLDED = "The grid was folded at the start; it was untangled and brought near the minimum of the energy first: "
-#: Newton steps, or sweeps, where the caller does not say.
+#: Default numbers of Newton steps and of sweeps.
 _LIMITS = {"newton": 200, "relaxation": 100_000}
 
 
@@ -153,7 +153,7 @@ def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> No
 
 
 def _choose(run: Run, equations: Equations, outcome: Outcome, keep_valid: bool) -> Outcome:
-    """Choose the grid to return, and say what the type of the equations means for it."""
+    """Choose the grid to return, and report what the type of the equations implies."""
     status, message = outcome
     folded = bool(folded_corners(corner_jacobians(*run.coordinates)).any())
     if outcome.converged and folded and keep_valid and True in equations.best:

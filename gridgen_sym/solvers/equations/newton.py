@@ -26,7 +26,7 @@ from .residual import Equations
 _HALVINGS = 30
 #: Relative residual of the linear solves.
 _FORCING = 1e-3
-#: A step that lowers the norm by less than this factor leads nowhere.
+#: A step that lowers the norm by less than this factor makes no progress.
 _LITTLE = 0.99
 #: Levenberg's damping: where it begins and ends, over the mean diagonal of the normal equations.
 _FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
@@ -121,7 +121,7 @@ def _reduce(
 
 
 def _above(trial: Array, guard: float) -> bool:
-    """Return whether a grid is made of numbers and its smallest Jacobian is above the guard."""
+    """Return whether a grid is finite and its smallest Jacobian is above the guard."""
     return bool(np.isfinite(trial).all() and corner_jacobians(trial[0], trial[1]).min() > guard)
 
 

@@ -41,7 +41,7 @@ class Equations:
         return self._planes
 
     def round_off(self, coordinates: Array) -> float:
-        """Return the norm below which a residual cannot be told from zero."""
+        """Return the norm below which a residual cannot be distinguished from zero."""
         rows = np.zeros_like(coordinates[:1])
         for plane in self.jacobian(coordinates):
             rows[0] += np.abs(plane)

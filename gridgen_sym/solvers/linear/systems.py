@@ -1,4 +1,4 @@
-"""Choose what solves the linear systems of Newton's method: multigrid, or a sparse factorization."""
+"""Choose the solver of the linear systems of Newton's method: multigrid, or a sparse factorization."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class DirectSolver:
         return True
 
     def solve(self, right: Array, tolerance: float) -> Solution:
-        """Solve; the curvature along the solution tells whether the operator is positive there."""
+        """Solve; the curvature along the solution shows whether the operator is positive there."""
         vector = to_vector(right, self._fixed)
         solution = self._factors.solve(vector)
         positive = bool(np.isfinite(solution).all() and solution @ vector > 0)

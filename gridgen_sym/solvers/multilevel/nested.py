@@ -25,8 +25,8 @@ _TOLERANCE, _STEPS = 1e-2, 30
 def worth_nesting(problem: Problem, coordinates: Array) -> bool:
     """Return whether coarse grids can give a better start than the one that was given.
 
-    They know the boundary only: a valid grid with an inside of its own, fixed inner nodes or one weight per
-    node are things that they would lose.
+    They depend on the boundary only: a valid start with its own inner nodes, fixed inner nodes or one weight per
+    node would be lost.
     """
     inner_fixed = bool(problem.fixed[1:-1, 1:-1].any())
     weight_per_node = problem.weight is not None and problem.weight.per_node
@@ -47,7 +47,7 @@ class Nested:
         functional: what is minimized.
         parameters: of the functional.
         report: receives every step.
-        solved: (2, ni, nj), the finest grid that is done.
+        solved: (2, ni, nj), the finest grid that is solved.
     """
 
     make: Callable[[Grid], Problem]

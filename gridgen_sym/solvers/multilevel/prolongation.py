@@ -1,10 +1,11 @@
-"""From one grid to another of the same boundary with more or fewer nodes.
+"""Prolongation: from one grid to another of the same boundary with more or fewer nodes.
 
-What is carried to a finer grid is the displacement from transfinite interpolation, which is smooth where the boundary
-is not, by cubic interpolation: then one or two Newton steps on the finer grid suffice. Where the outline has kinks of
-the size of a cell, transfinite interpolation carries them across the whole domain, and the start may be folded there.
-Then the nodes themselves are carried, linearly, which folds nothing where every cell is halved, and only what the finer
-boundary adds is spread into the domain, by Laplace's equation: it is small, oscillates, and dies out after a few cells.
+What is interpolated to a finer grid is the displacement from transfinite interpolation, which is smooth where the
+boundary is not, by cubic polynomials: then one or two Newton steps on the finer grid suffice. Where the outline has
+kinks of the size of a cell, transfinite interpolation carries them across the whole domain, and the start may be folded
+there. Then the nodes themselves are interpolated, linearly, which folds nothing where every cell is halved. Only what
+the finer boundary adds is extended into the domain, by Laplace's equation: it is small, oscillates, and decays in a few
+cells.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def coarse_start(coordinates: Array, shape: tuple[int, int]) -> Array:
 
 
 def finer_start(problem: Problem, coarse: Array, fine_boundary: Array) -> Array:
-    """Return the start on a finer grid: of the ways to make one, the first that is valid, or the least folded.
+    """Return the start on a finer grid: the first of several prolongations that is valid, or the least folded one.
 
     Args:
         problem: on the finer grid; counts the folds.
@@ -117,5 +118,5 @@ def _lagrange(given: int, count: int, *, linear: bool) -> tuple[npt.NDArray[np.i
 
 
 def _blocks(count: int) -> Iterator[slice]:
-    """Yield groups of rows: what is made of one of them on the way stays in the processor's cache."""
+    """Yield groups of rows whose intermediate results stay in the processor's cache."""
     return (slice(begin, begin + _BLOCK) for begin in range(0, count, _BLOCK))

@@ -1,4 +1,4 @@
-"""The length of a step: the energy falls, and no cell is folded that was valid."""
+"""Line search: the energy falls, and no valid cell becomes folded."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _SUFFICIENT, _HALVINGS = 1e-4, 40
 
 @dataclass(slots=True)
 class LineSearch:
-    """How long a step from an iterate may be, and how the last search from it ended.
+    """A line search from an iterate, and how the last one ended.
 
     Attributes:
         iterate: where the step begins.
@@ -51,7 +51,7 @@ class LineSearch:
     def away(self, direction: Array) -> bool:
         """Find the length, up to one that moves a node across the grid, that lowers the energy most and folds nothing.
 
-        The direction is one of negative curvature, and its own length means nothing.
+        The direction is one of negative curvature; its own length has no meaning.
         """
         sign = -1.0 if inner(self.iterate.gradient, direction) > 0 else 1.0
         length = sign * float(np.ptp(self.iterate.coordinates)) / float(np.abs(direction).max())
@@ -74,5 +74,5 @@ class LineSearch:
 
 
 def _noise(energy: float) -> float:
-    """Return how much of an energy is rounding: smaller differences mean nothing."""
+    """Return the rounding error of an energy: smaller differences are not significant."""
     return 1e2 * float(np.finfo(float).eps) * abs(energy)

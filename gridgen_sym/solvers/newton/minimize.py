@@ -19,12 +19,12 @@ from .line_search import LineSearch
 from .nonlinear_elimination import steep_subdomains, sweep_standing_out
 from .steps import NewtonSteps
 
-#: A step that lowers the energy by less than this part of it leads nowhere.
+#: A step that lowers the energy by less than this fraction makes no progress.
 _LITTLE = 1e-6
-#: Nodes that stand out are seen to if the gradient's norm is more than this part of its scale, and more than this part
-#: of its last value: otherwise Newton's method needs no help.
+#: Regions with an outstanding gradient are relaxed locally if the gradient's norm is more than this fraction of its
+#: scale, and more than this fraction of its last value: otherwise Newton's method alone is faster.
 _STEEP, _POOR = 5e-3, 0.25
-#: Factor by which the gradient falls in a window, and Newton steps there.
+#: Factor by which the gradient falls in a subdomain, and Newton steps there.
 _WINDOW, _WINDOW_STEPS = 3e-1, 40
 #: A weight that is evaluated anew after every step may never let the grid settle: steps without a smaller gradient.
 _UNSETTLED = 50
@@ -62,7 +62,7 @@ def minimize(
     Args:
         problem: what is minimized.
         coordinates: (2, ni, nj), the start and the result.
-        progress: is told of every step.
+        progress: receives every step.
         tolerance: factor by which the gradient's norm must fall.
         max_iterations: Newton steps.
         keep_valid: no step takes the smallest Jacobian of a valid grid to zero; barrier functionals never do.
@@ -86,7 +86,7 @@ def minimize(
         if until_valid and iterate.smallest > 0:
             return Outcome(Status.CONVERGED, "the grid is valid.")
         if convergence.reached(iterate):
-            # A barrier's own line search is nothing to report.
+            # Steps that a barrier itself shortens are not reported.
             return converged("gradient", iterate.norm, convergence.first, iteration, "" if barrier else str(control))
         if iteration == max_iterations:
             break
@@ -101,7 +101,7 @@ def minimize(
         if diverges(step, extent):
             return _stuck(Status.DIVERGED, iterate, convergence)
         coordinates += step
-        # The weight may be another now: progress is what the step has made of the energy with that which it has seen.
+        # The weight may have changed: progress is measured in the energy with the weight that the step has used.
         control.count(search.folds, iterate.energy - search.energy >= _LITTLE * abs(iterate.energy))
         before = iterate.norm
         iterate.evaluate()
@@ -117,7 +117,7 @@ def minimize(
 
 
 def _eliminate(iterate: Iterate, deadline: Deadline) -> None:
-    """Lower the energy where the gradient is large: by sweeps, as long as these pay, and in small subdomains.
+    """Lower the energy where the gradient is large: by sweeps, while they are efficient, and in small subdomains.
 
     Args:
         iterate: the grid, changed in place; a valid one stays valid.
@@ -137,7 +137,7 @@ def _eliminate(iterate: Iterate, deadline: Deadline) -> None:
 
 
 def _stuck(status: Status, iterate: Iterate, convergence: ConvergenceTest, more: str = "", steps: int = 0) -> Outcome:
-    """Return how a run ends that has not converged, and how small the gradient is."""
+    """Return the end of a run that has not converged, with the norm of the gradient."""
     small = (
         f"The gradient's norm is {iterate.norm:.2e}, {iterate.norm / (convergence.first or 1):.1e} of its first value."
     )

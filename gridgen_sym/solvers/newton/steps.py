@@ -1,4 +1,4 @@
-"""Newton steps downhill: which Hessian they are taken with, and how well its linear system is solved."""
+"""Newton steps: the choice of the Hessian, and the accuracy of the linear solve."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ..problem import Problem
 from ..run.deadline import Deadline
 from .line_search import LineSearch
 
-#: Shift of the semidefinite Hessian, over its mean diagonal, beyond which steps are too short to matter.
+#: Shift of the semidefinite Hessian, over its mean diagonal, beyond which steps are too short to be useful.
 _LARGEST_SHIFT, _SMALLEST_SHIFT = 1e3, 1e-8
 #: The first shift of a full Hessian that is not positive, likewise.
 _FIRST_SHIFT = 1e-4
-#: A whole step that leaves more than this part of the gradient's norm has led nowhere; so many of them in a row stall.
+#: A full step that leaves more than this fraction of the gradient's norm makes no progress; so many in a row stall.
 _STALLED, _STALLS = 0.5, 2
 #: Relative residuals of the linear solves, and that of the last one.
 _LOOSEST, _TIGHTEST, _LAST = 0.05, 1e-3, 1e-5
@@ -28,10 +28,10 @@ class NewtonSteps:
 
     The full Hessian is used while its steps lead downhill and are not cut; after a step that was cut, the semidefinite
     one, shifted where it is singular; for a functional that is not polyconvex the full one, with the smallest shift
-    that conjugate gradients find positive, kept from step to step. Where whole steps lead nowhere and the full Hessian
-    is not positive, the grid is near a saddle iterate, which is left along the direction of negative curvature that
-    conjugate gradients have met. The linear systems are solved only as well as the step deserves (Eisenstat and Walker
-    1996).
+    that conjugate gradients find positive, kept from step to step. Where full steps make no progress and the full
+    Hessian is not positive, the grid is near a saddle point, which is left along the direction of negative curvature
+    that conjugate gradients have met. The linear systems are solved only as accurately as the step requires (Eisenstat
+    and Walker 1996).
 
     Attributes:
         problem: what is minimized.
@@ -41,8 +41,8 @@ class NewtonSteps:
         cautious: use the semidefinite one next, because the last step was cut; never where it only shifts.
         shift: added to the diagonal, over its mean.
         forcing: relative residual of the next linear solve.
-        stalls: whole steps in a row that have led nowhere. If the full Hessian is not positive then, the grid is near a
-            saddle iterate, and only a direction of negative curvature leads away from it.
+        stalls: full steps in a row without progress. If the full Hessian is not positive then, the grid is near a
+            saddle point, and only a direction of negative curvature leads away from it.
     """
 
     problem: Problem
@@ -97,13 +97,13 @@ class NewtonSteps:
         return solution
 
     def _search(self, search: LineSearch, solution: Solution) -> bool:
-        """Look along Newton's direction, or where that has failed along one of negative curvature."""
+        """Search along Newton's direction, or where that has failed along one of negative curvature."""
         if solution.positive:
             return search.along(solution.vector)
         return self.stalls >= _STALLS and search.away(solution.vector)
 
     def learn(self, search: LineSearch, reduction: float, wanted: float) -> None:
-        """Draw the lesson of a step that changed the gradient's norm by a factor.
+        """Adapt to a step that changed the gradient's norm by a factor.
 
         Newton's method squares that factor. Where that will do for the factor that is still `wanted`, the next system
         is the last, and is solved just as well as that: a little more work on it saves a step.
@@ -116,7 +116,7 @@ class NewtonSteps:
         elif length > 0.5:
             self.shift = self.shift / 4 if self.shift > _FIRST_SHIFT / 10 else 0.0
         elif not search.folds:
-            # A step that was cut because it would fold a cell says nothing of the Hessian.
+            # A step that was cut because it would fold a cell does not discredit the Hessian.
             self.shift = max(4 * self.shift, _FIRST_SHIFT)
         last = reduction**2 <= wanted
         self.forcing = min(_LOOSEST, max(_LAST, 0.5 * wanted) if last else max(_TIGHTEST, 0.5 * reduction))

@@ -2,7 +2,7 @@
 
 Coarse grids keep every second node and the last one. Where couplings along one direction are far weaker, as on
 stretched grids, only the other direction is halved, until they are alike. Lines of nodes are relaxed, so that cells may
-be stretched. The compiled part, the C files here, knows no functional.
+be stretched. The compiled part, the C files here, is independent of the functional.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class _Krylov(Hierarchy):
     def set_operator(self, planes: Array) -> bool:
         """Take the planes of a stencil, as a hierarchy does; their memory is then what `solve` works in.
 
-        They are the largest array of all and have done their duty. Fresh memory costs more time than the arithmetic.
+        They are the largest array of all and are no longer needed. Fresh memory costs more time than the arithmetic.
         """
         if not super().set_operator(planes):
             return False

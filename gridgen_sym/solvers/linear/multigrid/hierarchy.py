@@ -1,4 +1,4 @@
-"""The levels of a grid: which there are, their memory, and their setting up for a stencil."""
+"""The levels of a grid: their choice, their memory, and their setup for a stencil."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from .library import Level, Stencil, load_library
 _COARSEST = 4
 #: A direction whose couplings are weaker than this part of the other's is not halved.
 _WEAK = 0.25
-#: Rows that are looked at together, or for all.
+#: Rows that are processed together, or sampled for all.
 _ROWS = 64
-#: Rows begin at multiples of this many numbers, odd ones, lest all rows fall into the same lines of a cache.
+#: Rows begin at multiples of this many numbers, odd ones, so that rows do not fall into the same cache lines.
 _ALIGNMENT = 16
 
 
 class _Layout(NamedTuple):
-    """Where things stand among the planes of a stencil.
+    """The positions of entries among the planes of a stencil.
 
     Attributes:
         planes, pivots: the number of entries of a node, and of the inverse of a pivot.
@@ -129,7 +129,7 @@ class Hierarchy:
     def _directions(self, level: LevelArrays) -> tuple[bool, bool]:
         """Return which directions of a level to halve, rows and columns."""
         ni, nj = level.fixed.shape
-        some = slice(None, None, max(1, ni // _ROWS))  # Of a large grid, some rows tell enough.
+        some = slice(None, None, max(1, ni // _ROWS))  # On a large grid a sample of rows is enough.
         rows, columns = (
             float(sum(np.abs(level.operator[some, entry, :nj]).mean() for entry in pair))
             for pair in self._layout.couplings
