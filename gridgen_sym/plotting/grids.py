@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_LINES = 260  # Along each axis: more would run together to a black area, and make huge vector files.
+_LARGEST = 1e300  # Extents of larger coordinates overflow.
 MOST_FOLDS = 20_000  # Of more folded cells every n-th is drawn; all are counted.
 _INK, _EDGE, ALARM = "#26323d", "#0b1016", "#d7191c"
 
@@ -108,6 +109,9 @@ def draw_grid(ax: Axes, grid: Grid, title: str | None, ink: float = 1.0) -> None
     """Draw one grid on axes; `ink` scales the widths of its lines, for small panels."""
     from matplotlib.collections import LineCollection
 
+    largest = float(np.abs(grid.planes).max())
+    if largest > _LARGEST:
+        raise GridgenError(f"the grid's coordinates reach {largest:.3g}, too large to draw: scale them")
     step = max(1, -(-max(grid.shape) // MOST_LINES))
     # With fewer lines each can be thicker; in the thinnest the cells can still be distinguished.
     width = ink * float(np.clip(30.0 / max(grid.shape), 0.25, 0.8))

@@ -141,3 +141,27 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch):
     back = pickle.loads(pickle.dumps(caught.value))  # As from a worker process, whose pool would break otherwise.
     assert type(back) is MissingExtraError
     assert str(back) == str(caught.value)
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e300, 1.7e308])
+def test_huge_and_tiny_grids_are_drawn_or_refused_without_a_warning(size):
+    grid = Grid((domain("square", 5, 5).xy * 2 - 1) * size)
+    if size <= 1e300:
+        plot_grid(grid)
+    else:
+        with pytest.raises(GridgenError, match=r"coordinates reach 1.7e\+308, too large to draw: scale them"):
+            plot_grid(grid)
+
+
+@pytest.mark.parametrize("stretch", [(1, 1), (8, 1), (1, 8)])
+def test_the_legend_stands_below_the_tick_labels(stretch):
+    xy = domain("square", 11, 11).xy
+    xy[5, 5] = 0.9
+    figure = plot_grid(Grid(xy * stretch))
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    legend = axes.get_legend().get_window_extent()
+    labels = [label.get_window_extent() for label in axes.get_xticklabels() if label.get_text()]
+    assert len(labels) > 1
+    assert not any(legend.overlaps(label) for label in labels)
+    assert legend.y1 < min(label.y0 for label in labels)
