@@ -72,6 +72,8 @@ def read_arrays(data: bytes, forms: tuple[tuple[str, ...], ...], expected: str) 
 def _array(archive: zipfile.ZipFile, name: str) -> Array:
     """Return one array of an archive, whose header must agree with what the archive announces."""
     member = archive.getinfo(name)
+    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise ValueError("it is compressed otherwise than NumPy does")  # LZMA may ask for gigabytes at once.
     with archive.open(member) as stream:
         head = io.BytesIO(stream.read(_HEADER))
     shape, kind = _announced(head)

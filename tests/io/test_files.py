@@ -480,6 +480,16 @@ def test_npz_with_x_and_y():
         npz.decode(archive(xy=SWAN.xy * 1j))
 
 
+@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_an_archive_that_numpy_would_not_write_is_refused(method):
+    stream, array = io.BytesIO(), io.BytesIO()
+    np.save(array, SWAN.xy)
+    with zipfile.ZipFile(stream, "w", method) as file:
+        file.writestr("xy.npy", array.getvalue())
+    with pytest.raises(GridgenError, match="compressed otherwise than NumPy does"):
+        npz.decode(stream.getvalue())
+
+
 def npz_that_announces(shape, size=None, head=b""):
     """An archive of zeros: a header, and a size of its own."""
     header = io.BytesIO()
