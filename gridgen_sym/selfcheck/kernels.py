@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..functionals import Functional
 from ..runtime import KernelSet, find_compiler, kernels
 from .check import Check, both_zero, difference, failure
-from .samples import mean_slope, size_that_tells
+from .samples import active_size, mean_slope
 
 _SIZE = (9, 70)
 #: Steps of the differences of gradients, over the size of a cell: near a kink the long ones cross it.
@@ -19,10 +19,10 @@ _HESSIAN_LIMIT, _BACKEND_LIMIT = 1e-6, 1e-10
 
 
 def _random_nodes(functional: Functional) -> Array:
-    """Return squares of a size that tells, with noise in every node, (2, ni, nj)."""
+    """Return squares of the active size, with noise in every node, (2, ni, nj)."""
     ni, nj = _SIZE
     nodes = np.stack(np.meshgrid(np.arange(ni), np.arange(nj), indexing="ij")).astype(float)
-    return size_that_tells(functional) * (nodes + 0.08 * np.random.default_rng(3).normal(size=nodes.shape))
+    return active_size(functional) * (nodes + 0.08 * np.random.default_rng(3).normal(size=nodes.shape))
 
 
 def _apart(found: Any, expected: Any, floor: float) -> float:  # noqa: ANN401
@@ -49,7 +49,7 @@ def hessian_kernel(functional: Functional) -> Check:
     from ..solvers import gradient, hessian
 
     name = "Hessian kernel against differences of the gradient kernel"
-    size, nodes = size_that_tells(functional), _random_nodes(functional)
+    size, nodes = active_size(functional), _random_nodes(functional)
     move = size * np.random.default_rng(4).normal(size=nodes.shape)
     move[:, [0, -1]] = 0.0
     move[:, :, [0, -1]] = 0.0

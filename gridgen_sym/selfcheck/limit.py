@@ -20,7 +20,7 @@ from ..functionals import Functional
 from ..runtime import kernels
 from .check import Check, both_zero, failure
 from .derived import FIRST, SECOND, written_out
-from .samples import mean_slope, size_that_tells
+from .samples import active_size, mean_slope
 
 _NAME = "discrete gradient against the Euler–Lagrange residual"
 #: Cells of the refinements; what is compared are the nodes of the first.
@@ -61,7 +61,7 @@ def convergence(functional: Functional) -> Check:
     from ..symbolic import euler_lagrange
 
     residual = _residual_function(functional, euler_lagrange(functional).residual)
-    size = size_that_tells(functional)
+    size = active_size(functional)
     slope = mean_slope(functional, size)
     levels: list[_Level] = []
     for cells in _CELLS:

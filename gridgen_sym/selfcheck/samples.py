@@ -46,7 +46,7 @@ def mean_slope(functional: Functional, size: float) -> float:
     return float(finite.mean()) if finite.size else 0.0
 
 
-def size_that_tells(functional: Functional) -> float:
+def active_size(functional: Functional) -> float:
     """Return the size at whose corners the density has most often a slope other than zero, 1 in doubt."""
 
     def share(size: float) -> float:

@@ -11,7 +11,7 @@ import gridgen_sym as gg
 from gridgen_sym.functionals import Functional
 from gridgen_sym.selfcheck import checks, digits, kernels, limit
 from gridgen_sym.selfcheck.digits import corner_derivatives, equations
-from gridgen_sym.selfcheck.samples import SIZES, random_jets, size_that_tells
+from gridgen_sym.selfcheck.samples import SIZES, active_size, random_jets
 
 #: No derivative at square cells: a long step of a difference crosses the kink.
 KINK = "sqrt(g12**2 + (g11 - g22)**2)"
@@ -51,9 +51,9 @@ def test_what_is_right_passes(density):
 
 
 def test_a_penalty_is_checked_at_a_size_at_which_it_acts():
-    assert size_that_tells(Functional("small", "((0.05 - J + abs(0.05 - J))/2)**2")) == 1 / 8
-    assert size_that_tells(Functional("large", "((J - 50 + abs(J - 50))/2)**2")) in (8.0, 64.0)
-    assert size_that_tells(Functional("any", "g11")) == 1.0
+    assert active_size(Functional("small", "((0.05 - J + abs(0.05 - J))/2)**2")) == 1 / 8
+    assert active_size(Functional("large", "((J - 50 + abs(J - 50))/2)**2")) in (8.0, 64.0)
+    assert active_size(Functional("any", "g11")) == 1.0
 
 
 def test_zero_against_zero_is_called_vacuous():
