@@ -7,7 +7,7 @@ import pytest
 
 from gridgen_sym import GridgenError, gradient, quality
 from gridgen_sym.paper_examples import Case, Example, run
-from gridgen_sym.paper_examples.adaptive import PRODUCT, ROOT_PRODUCT, SHARE, STOP, STOP_NEGATIVE, spreads
+from gridgen_sym.paper_examples.adaptive import FRACTION, PRODUCT, ROOT_PRODUCT, STOP, STOP_NEGATIVE, spreads
 from gridgen_sym.paper_examples.claim import better, decide
 
 pytest.importorskip("matplotlib")
@@ -198,7 +198,7 @@ def test_the_better_way_stands_beside_the_sweeps_and_is_better(examples):
     settled, swept = example.case("second weight, its positive part, area and winslow"), example.cases
     assert settled.converged
     assert settled.quality.valid
-    assert settled.extra[SHARE] > max(case.extra.get(SHARE, 0) for case in swept if case is not settled)
+    assert settled.extra[FRACTION] > max(case.extra.get(FRACTION, 0) for case in swept if case is not settled)
     beside = [claim for claim in example.claims if "(not in the paper)" in claim.paper]
     assert [claim.verdict for claim in beside] == ["holds", "holds"]
     assert all("by area_winslow" in claim.paper for claim in beside)

@@ -76,7 +76,7 @@ def parameters_of(density: Callable[..., Any]) -> dict[str, float]:
         arguments = list(inspect.signature(density).parameters.values())
     except (TypeError, ValueError) as error:
         raise GridgenError(
-            f"the arguments of the density function {name!r} cannot be told ({error}): write one with def or lambda, "
+            f"the arguments of the density function {name!r} cannot be read ({error}): write one with def or lambda, "
             "such as lambda m: m.J**2"
         ) from None
     if not arguments:

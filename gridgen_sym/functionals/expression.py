@@ -236,7 +236,7 @@ def _size(value: Any) -> float:  # noqa: ANN401
         return abs(complex(value))
     except OverflowError:
         return float("inf")
-    except (TypeError, ValueError):  # SymPy's infinity in the plane: told where the value is used.
+    except (TypeError, ValueError):  # SymPy's infinity in the plane: reported where the value is used.
         return float("nan")
 
 

@@ -37,19 +37,19 @@ POSITIVE_PART = "5 + 100*(sin(2*pi*x)*sin(2*pi*y) + abs(sin(2*pi*x)*sin(2*pi*y))
 CELLS = 29
 #: Sweeps: until the nodes have spread; fewer with the weight that is negative somewhere, guarded or not; too many.
 STOP, STOP_NEGATIVE, STOP_FREE, TOO_MANY = 6, 2, 3, 100
-PRODUCT, ROOT_PRODUCT, SHARE = "spread of s·J", "spread of √s·J", "cells where s > 0"
+PRODUCT, ROOT_PRODUCT, FRACTION = "spread of s·J", "spread of √s·J", "cells where s > 0"
 
 
 def spreads(grid: Grid, formula: str) -> dict[str, float]:
     """Return the spread of s·J and √s·J over the cells (standard deviation over mean), or where the cells are.
 
-    The spreads mean nothing where s is negative and are left out then; in their place stands the share of the cells
+    The spreads mean nothing where s is negative and are left out then; in their place stands the fraction of the cells
     whose weight is positive.
     """
     centers = np.stack([cell_means(plane) for plane in grid.planes])
     s = Weight(formula, allow_negative=True).planes(centers, ("s",))[0]
     if s.min() < 0:
-        return {SHARE: float((s > 0).mean())}
+        return {FRACTION: float((s > 0).mean())}
     found = equidistribution(grid, formula)
     return {PRODUCT: found.weight.variation, ROOT_PRODUCT: found.root.variation}
 
@@ -183,20 +183,23 @@ def _first_claims(cases: dict[str, Case]) -> list[Claim]:
 
 
 def _second_claims(cases: dict[str, Case]) -> list[Claim]:
-    before, after = (cases[key].extra[SHARE] for key in ("start", "frozen"))
+    before, after = (cases[key].extra[FRACTION] for key in ("start", "frozen"))
     guarded, free = cases["frozen"], cases["unguarded"]
     settled = cases["settled"]
-    more = settled.extra[SHARE]
+    more = settled.extra[FRACTION]
     lowest = min(case.energy or 0.0 for case in cases.values())
     return [
         decide(
             "The grid adapts: small cells where s is large (second weight, stopped by hand after "
             f"{STOP_NEGATIVE} sweeps).",
-            (f"the share of cells where s > 0 goes from {before:.2f} to {after:.2f}", after > before),
+            (f"the fraction of cells where s > 0 goes from {before:.2f} to {after:.2f}", after > before),
         ),
         decide(
             "The same, by area_winslow with the positive part of the weight until it settles (not in the paper).",
-            (f"the share of cells where s > 0 goes from {before:.2f} to {settled.extra[SHARE]:.2f}", more > before),
+            (
+                f"the fraction of cells where s > 0 goes from {before:.2f} to {settled.extra[FRACTION]:.2f}",
+                more > before,
+            ),
             _even(settled, cases["longer"]),
         ),
         decide(
@@ -230,7 +233,7 @@ def _figures(first: dict[str, Case], second: dict[str, Case]) -> Picture:
             ),
             (
                 "Adapted grid by the area functional\ns = 5 + 200 sin 2πx sin 2πy, partly negative\n"
-                f"cells where s > 0: {second['start'].extra[SHARE]:.0%} → {b.extra[SHARE]:.0%}, {b.effort}",
+                f"cells where s > 0: {second['start'].extra[FRACTION]:.0%} → {b.extra[FRACTION]:.0%}, {b.effort}",
                 b.grid,
             ),
             (
@@ -239,7 +242,7 @@ def _figures(first: dict[str, Case], second: dict[str, Case]) -> Picture:
             ),
             (
                 "Better: area_winslow, positive part of the weight\n"
-                f"cells where s > 0: {d.extra[SHARE]:.0%}, {d.effort}, {_end(d)}",
+                f"cells where s > 0: {d.extra[FRACTION]:.0%}, {d.effort}, {_end(d)}",
                 d.grid,
             ),
         ),

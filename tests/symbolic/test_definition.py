@@ -87,7 +87,7 @@ def recursive(m):
         ("exp(exp(exp(9)))*g11", r"contains 'exp\(exp\(9\)\)', a number larger than 1e\+300"),
         ("1e999999999*g11", "numbers must be between 1e-300 and"),
         ("1e-999999999*g11", "numbers must be between 1e-300 and"),
-        (max, "arguments of the density function 'max' cannot be told"),
+        (max, "arguments of the density function 'max' cannot be read"),
         (recursive, "recursion"),
         (lambda m: 1 / 0, "division by zero"),
         (lambda m: sympy.Matrix([m.g11]), "uses ImmutableDenseMatrix, for which there is no kernel"),
