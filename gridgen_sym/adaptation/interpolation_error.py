@@ -43,10 +43,10 @@ def interpolation_error(
     u = nodal_values(grid, exact.values(grid.x, grid.y) if values is None else values)
     nodes = np.concatenate((grid.planes, u[np.newaxis]))
     a, b, c, d = nodes[:, :-1, :-1], nodes[:, 1:, :-1], nodes[:, 1:, 1:], nodes[:, :-1, 1:]
-    places, weights = np.polynomial.legendre.leggauss(points)
+    abscissas, weights = np.polynomial.legendre.leggauss(points)
     total = 0.0
-    for p, along in zip((places + 1) / 2, weights / 2, strict=True):
-        for q, across in zip((places + 1) / 2, weights / 2, strict=True):
+    for p, along in zip((abscissas + 1) / 2, weights / 2, strict=True):
+        for q, across in zip((abscissas + 1) / 2, weights / 2, strict=True):
             x, y, interpolated = a * (1 - p) * (1 - q) + b * p * (1 - q) + c * p * q + d * (1 - p) * q
             x_xi, y_xi, _ = (b - a) * (1 - q) + (c - d) * q
             x_eta, y_eta, _ = (d - a) * (1 - p) + (c - b) * p

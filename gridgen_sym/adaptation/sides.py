@@ -22,7 +22,7 @@ from ..solvers.multilevel.prolongation import from_boundary
 Boundary = Literal["fixed", "straight", "all"]
 
 #: Where the nodes of the four sides are in an array (ni, nj).
-_PLACES: tuple[Any, ...] = (np.s_[:, 0], np.s_[-1, :], np.s_[:, -1], np.s_[0, :])
+_SIDE_NODES: tuple[Any, ...] = (np.s_[:, 0], np.s_[-1, :], np.s_[:, -1], np.s_[0, :])
 #: How far from the line between its ends a straight stretch may be, over its length: round-off of its coordinates.
 _STRAIGHT = 1e-9
 #: How often a step that would fold a cell is halved.
@@ -34,13 +34,13 @@ class Side:
     """A side or a stretch of one: the polygon of the start, and where the nodes now are on it; both ends stay.
 
     Attributes:
-        place: indices of its nodes.
+        index: of its nodes in an array (ni, nj).
         polygon: (2, n), the nodes of the start.
         length: (n,), the arc length of each of its points.
         at: (n,), the arc length of each node.
     """
 
-    place: Any
+    index: Any
     polygon: Array
     length: Array
     at: Array
@@ -61,11 +61,11 @@ def sliding_sides(grid: Grid, boundary: Boundary, fixed: npt.ArrayLike | None) -
     They are none, the straight ones of every side, or all four sides; without those that have a fixed node inside.
     """
     sides = []
-    for place in _PLACES if boundary != "fixed" else ():
-        points = grid.planes[(slice(None), *place)]
+    for side in _SIDE_NODES if boundary != "fixed" else ():
+        points = grid.planes[(slice(None), *side)]
         stretches = [(0, points.shape[1] - 1)] if boundary == "all" else straight_stretches(points)
         for first, last in stretches:
-            part = tuple(slice(first, last + 1) if isinstance(index, slice) else index for index in place)
+            part = tuple(slice(first, last + 1) if isinstance(one, slice) else one for one in side)
             if fixed is None or not np.asarray(fixed)[part][1:-1].any():
                 polygon = points[:, first : last + 1].copy()
                 length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(polygon, axis=1)))))
@@ -78,18 +78,18 @@ def slide(sides: list[Side], grid: Grid, density: Array, fixed: Mask, damping: f
 
     A step that would fold a cell is halved, and not taken at all if that does not help.
     """
-    targets = [side.wanted(density[side.place]) for side in sides]
+    targets = [side.wanted(density[side.index]) for side in sides]
     for _ in range(_HALVINGS if sides else 0):
-        places = [side.at + damping * (target - side.at) for side, target in zip(sides, targets, strict=True)]
+        arcs = [side.at + damping * (target - side.at) for side, target in zip(sides, targets, strict=True)]
         move = np.zeros_like(grid.planes)
-        for side, at in zip(sides, places, strict=True):
-            place = (slice(None), *side.place)
-            move[place] = side.nodes(at) - grid.planes[place]
+        for side, at in zip(sides, arcs, strict=True):
+            planes = (slice(None), *side.index)
+            move[planes] = side.nodes(at) - grid.planes[planes]
         inner = from_boundary(move)[:, 1:-1, 1:-1]
         move[:, 1:-1, 1:-1] = np.where(fixed[1:-1, 1:-1], 0.0, inner)
         moved = Grid.from_planes(*(grid.planes + move))
         if quality(moved).valid:
-            for side, at in zip(sides, places, strict=True):
+            for side, at in zip(sides, arcs, strict=True):
                 side.at = at
             return moved
         damping /= 2

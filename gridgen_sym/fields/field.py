@@ -114,10 +114,10 @@ class Field:
         bad = ~np.isfinite(value)
         if bad.any():
             value, bad = np.broadcast_to(value, x.shape), np.broadcast_to(bad, x.shape)
-            place = tuple(int(k) for k in np.argwhere(bad)[0])
+            index = tuple(int(k) for k in np.argwhere(bad)[0])
             raise GridgenError(
-                f"{self.name}{what} must be finite at every {where}; it is {value[place]} at {where} {place}, "
-                f"x = {x[place]:.6g}, y = {y[place]:.6g}: check {'its formula' if self.evaluator else 'it'} there"
+                f"{self.name}{what} must be finite at every {where}; it is {value[index]} at {where} {index}, "
+                f"x = {x[index]:.6g}, y = {y[index]:.6g}: check {'its formula' if self.evaluator else 'it'} there"
             )
         return np.ascontiguousarray(np.broadcast_to(value, x.shape))
 

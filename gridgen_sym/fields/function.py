@@ -76,7 +76,7 @@ def takes_two_arrays(function: Callable[..., Any]) -> bool:
 
 
 def required_arguments(function: Callable[..., Any]) -> int:
-    """Return how many arguments a function must be given by place, as far as it shows."""
+    """Return how many arguments a function must be given by position, as far as it shows."""
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):

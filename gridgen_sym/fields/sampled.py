@@ -76,14 +76,19 @@ def scattered_field(points: npt.ArrayLike, values: npt.ArrayLike, *, smooth: boo
     Raises:
         GridgenError: for other shapes, samples that are not finite, or points on one line.
     """
-    place, value = real_array(points, "the points of samples"), real_array(values, "the values of samples")
-    if place.ndim != 2 or place.shape[1] != 2 or value.shape != place.shape[:1] or len(place) < _FEWEST_POINTS:
+    position, value = real_array(points, "the points of samples"), real_array(values, "the values of samples")
+    if (
+        position.ndim != 2
+        or position.shape[1] != 2
+        or value.shape != position.shape[:1]
+        or len(position) < _FEWEST_POINTS
+    ):
         raise GridgenError(
             f"scattered samples need points of shape (n, 2) and values of shape (n,), n at least {_FEWEST_POINTS}; "
-            f"came {place.shape} and {value.shape}"
+            f"came {position.shape} and {value.shape}"
         )
-    _check_finite(np.column_stack((place, value)), "point")
-    return _triangulated(place, value, f"at {len(place)} points", smooth=smooth)
+    _check_finite(np.column_stack((position, value)), "point")
+    return _triangulated(position, value, f"at {len(position)} points", smooth=smooth)
 
 
 def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False) -> SampledField:
@@ -111,9 +116,9 @@ def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False) -> Sa
         )
     _check_finite(value[..., np.newaxis], "node")
     if not smooth and quality(grid).valid:
-        places = StructuredInterpolation(grid)
+        cells = StructuredInterpolation(grid)
         kind = f"on a grid of {ni} x {nj} nodes"
-        return SampledField(kind, None, lambda x, y: places.values(value, x, y), places.covers)
+        return SampledField(kind, None, lambda x, y: cells.values(value, x, y), cells.covers)
     return _triangulated(grid.xy.reshape(-1, 2), value.ravel(), f"on a grid of {ni} x {nj} nodes", smooth=smooth)
 
 
@@ -225,9 +230,9 @@ def _spline(axes: list[Array], values: Array) -> SampledField:
     def derivative(x: Array, y: Array, dx: int, dy: int) -> Array:
         slope: Array = spline.ev(*clip(x, y), dx=dx, dy=dy)
         # Beyond an edge the field is constant across it.
-        for k, (place, order) in enumerate(((x, dx), (y, dy))):
+        for k, (position, order) in enumerate(((x, dx), (y, dy))):
             if order:
-                slope = np.where((place < axes[k][0]) | (place > axes[k][-1]), 0.0, slope)
+                slope = np.where((position < axes[k][0]) | (position > axes[k][-1]), 0.0, slope)
         return slope
 
     return SampledField(_raster_kind(axes), derivative, lambda x, y: spline.ev(*clip(x, y)), inside)

@@ -1,8 +1,8 @@
 """Interpolate nodal values in the cells of a valid grid: a cell is two triangles, and the value is linear in each.
 
-The cell of a point is found by walking over the grid from the nearest node: the triangle's affine map predicts the
-logical place of the point, and the walk goes there. No triangulation has to be made, and whatever the number of nodes,
-a few passes over all points are enough.
+The cell of a point is found by a walk from the nearest node: the triangle's affine map predicts the logical
+coordinates of the point, and the walk goes to their cell. No triangulation is made, and a few passes over all points
+are enough, whatever the number of nodes.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class StructuredInterpolation:
     __slots__ = ("_planes", "_tree")
 
     def __init__(self, grid: Grid) -> None:
-        """Sort the nodes of a valid grid by their places."""
+        """Make the search tree of the nodes of a valid grid."""
         from scipy.spatial import cKDTree
 
         self._planes = grid.planes
@@ -53,7 +53,7 @@ class StructuredInterpolation:
         return np.asarray(distance <= _ROUNDING * np.ptp(self._planes, axis=(1, 2)).max()).reshape(x.shape)
 
     def _located(self, points: Array) -> tuple[_Indices, _Indices, Array, Array, Array]:
-        """Return the cells of points (2, n), the logical places in them, and the distances of points outside."""
+        """Return the cells of points (2, n), the logical coordinates in them, and the distances of points outside."""
         best = self._walked(points, self._tree.query(points.T)[1])
         outside = _ROUNDING * float(np.ptp(self._planes, axis=(1, 2)).max())
         lost = np.flatnonzero(best[4] > outside)
@@ -80,8 +80,8 @@ class StructuredInterpolation:
             s[walking], t[walking] = p, q
             longest = max(ni, nj) if stride < _STRIDES else 1
             to = [
-                np.clip(index[walking] + np.clip(_cells_off(place), -longest, longest), 0, most - 2)
-                for index, place, most in ((i, p, ni), (j, q, nj))
+                np.clip(index[walking] + np.clip(_cells_off(coordinate), -longest, longest), 0, most - 2)
+                for index, coordinate, most in ((i, p, ni), (j, q, nj))
             ]
             moves = (to[0] != i[walking]) | (to[1] != j[walking])
             i[walking], j[walking] = to
@@ -93,7 +93,7 @@ class StructuredInterpolation:
         return i, j, s, t, np.hypot(*(points - there))
 
     def _logical(self, points: Array, i: _Indices, j: _Indices) -> tuple[Array, Array]:
-        """Return the logical places of points relative to cells, by the affine map of the triangle on their side."""
+        """Return the logical coordinates of points in cells, by the affine map of the triangle on their side."""
         a, b, c, d = (self._planes[:, i + di, j + dj] for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)))
         lower = _cross(c - a, points - a) <= 0
         along, across = np.where(lower, b - a, c - d), np.where(lower, c - b, d - a)
@@ -105,15 +105,19 @@ def _cross(one: Array, other: Array) -> Array:
     return np.asarray(one[0] * other[1] - one[1] * other[0])
 
 
-def _cells_off(place: Array) -> _Indices:
-    """Return how many cells a logical place is away from the cell [0, 1]; far off, it is a direction and no number."""
-    off = np.where(place < -_ROUNDING, np.floor(place), np.where(place > 1 + _ROUNDING, np.ceil(place) - 1, 0.0))
+def _cells_off(coordinate: Array) -> _Indices:
+    """Return how many cells a logical coordinate is off the cell [0, 1]; far off, only its direction is used."""
+    off = np.where(
+        coordinate < -_ROUNDING,
+        np.floor(coordinate),
+        np.where(coordinate > 1 + _ROUNDING, np.ceil(coordinate) - 1, 0.0),
+    )
     cells: _Indices = np.clip(np.nan_to_num(off), -1e6, 1e6).astype(np.intp)
     return cells
 
 
 def _linear(nodal: Array, i: _Indices, j: _Indices, s: Array, t: Array) -> Array:
-    """Return nodal values at logical places of cells, linear in the triangles at both sides of a diagonal."""
+    """Return nodal values at logical coordinates of cells, linear in the triangles at both sides of a diagonal."""
     a, b, c, d = (nodal[i + di, j + dj] for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)))
     lower = a + s * (b - a) + t * (c - b)
     upper = a + t * (d - a) + s * (c - d)

@@ -33,7 +33,7 @@ class Weight:
             for the area functional; `differentiated`: s(x, y) belongs to the energy that is minimized, so that
             sqrt(s)·J becomes constant.
         allow_negative: accept a weight that is negative somewhere. The weighted area energy has no lower
-            bound then; results say so.
+            bound then; results report it.
         field: made of the source.
     """
 
@@ -48,7 +48,7 @@ class Weight:
     ) -> Weight:
         """Return the weight that interpolates values (ni, nj) at the nodes of a grid, or (ni-1, nj-1) in its cells.
 
-        Unlike an array it belongs to places, not to nodes: where a node goes, it meets the weight of that place.
+        Unlike an array it belongs to positions, not to nodes: a node that moves has the weight of its new position.
         Linear if frozen, cubic if differentiated (see `grid_field`); outside the grid the nearest sample counts.
         """
         return cls(grid_field(grid, values, smooth=mode == "differentiated"), mode, allow_negative)
