@@ -10,7 +10,7 @@ import click
 
 from .base import functionals_option
 from .field import field_of
-from .grids import Announcement, certify_and_draw, check_outputs, count_of, folds_of, report
+from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
 
@@ -84,7 +84,7 @@ def adapt(
     given = {key: value for key, value in options.items() if value is not None}
     given["parameters"] = parameters_of(given.get("functional", "area_winslow"), parameters)
     start = start_grid(input, **boundary)
-    begin = Announcement(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
+    begin = Announcement(quiet, input, start)
     result = run(start, field, monitor=chosen, callback=begin, **given)
     begin()
     _report(result, quiet)

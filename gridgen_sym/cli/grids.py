@@ -9,18 +9,17 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import click
 
-from ..errors import GridgenError, MissingExtraError
+from ..errors import GridgenError
 from .base import functionals_option
 from .field import field_of
+from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
 
 if TYPE_CHECKING:
     from ..fields import Weight
-    from ..grids import Grid
     from ..solvers import Result
 
-_PICTURES = (".png", ".svg", ".pdf")
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 
 
@@ -76,7 +75,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     solve = _solver(name, quiet, **options)
     check_outputs(output, plot)
     start = start_grid(input, **boundary)
-    begin = Announcement(quiet, f"start: {input}, {count_of(start)}, {folds_of(start)}")
+    begin = Announcement(quiet, input, start)
     result: Result = solve(start, callback=begin)
     begin()
     _report(result, quiet)
@@ -120,25 +119,6 @@ def _weight(text: str | None, mode: str | None, allow_negative: bool) -> Weight 
     return Weight(field_of(text, smooth=mode == "differentiated"), mode or "frozen", allow_negative)  # type: ignore[arg-type]
 
 
-def check_outputs(output: str | None, plot: str | None) -> None:
-    """Refuse files that cannot be written before any work is done."""
-    from importlib.util import find_spec
-
-    from ..atomic import check_target
-    from ..io import known_suffixes
-
-    if output and Path(output).suffix.lower() not in known_suffixes():
-        raise GridgenError(f"cannot write {output}: its suffix must be one of {', '.join(known_suffixes())}")
-    for path in filter(None, (output, plot)):
-        check_target(path)
-    if plot and Path(plot).suffix.lower() not in _PICTURES:
-        raise GridgenError(f"cannot write {plot}: a picture's suffix must be one of {', '.join(_PICTURES)}")
-    if plot and find_spec("matplotlib") is None:
-        raise MissingExtraError("--plot", "plot", "matplotlib")
-    if output and Path(output).suffix.lower() == ".cgns" and find_spec("h5py") is None:
-        raise MissingExtraError("writing a CGNS file", "io", "h5py")
-
-
 def _report(result: Result, quiet: bool) -> None:
     """Print what came out; where it did not converge, or is folded, that is reported on standard error as well."""
     if result.converged:
@@ -148,63 +128,6 @@ def _report(result: Result, quiet: bool) -> None:
     report(quiet, result.quality.summary())
     if quiet and not result.quality.valid:
         click.secho(result.quality.describe_folds(), fg="red", err=True)
-
-
-def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, result: Result | None = None) -> None:
-    """Report the proofs that the boundary of a folded grid admits no valid one, and draw it, or these.
-
-    The `result` of a solver has its own certificates.
-    """
-    from ..certificates import certificates
-    from ..grids import quality as measure
-    from ..plotting import plot_certificates, plot_grid
-
-    if result:
-        found = result.certificates
-    else:
-        found = () if measure(made).valid else certificates(made, search=True)
-        for certificate in found:
-            click.secho(certificate.message, fg="red", err=True)
-    if plot:
-        if found:
-            plot_certificates(made, plot, found=found)
-        else:
-            plot_grid(made, plot, title=title)
-        report(quiet, f"wrote {plot}")
-
-
-class Announcement:
-    """A line that is printed when the work begins: what cannot be used has been refused by then."""
-
-    def __init__(self, quiet: bool, text: str) -> None:
-        """Keep the line."""
-        self._quiet, self._text = quiet, text
-
-    def __call__(self, _: object = None) -> None:
-        """Print it, at the first step or after the work, but once."""
-        if self._text:
-            report(self._quiet, self._text)
-            self._text = ""
-
-
-def report(quiet: bool, text: str) -> None:
-    """Print a line, unless the command is to be quiet."""
-    if not quiet:
-        click.echo(text)
-
-
-def count_of(grid: Grid) -> str:
-    """Return the numbers of cells, in words."""
-    ni, nj = grid.shape
-    return f"{ni - 1} x {nj - 1} cells"
-
-
-def folds_of(grid: Grid) -> str:
-    """Return how many cells are folded, in words."""
-    from ..grids import quality
-
-    count = quality(grid).folded_cells
-    return f"{count} of them folded" if count else "none of them folded"
 
 
 @click.command()

@@ -1,0 +1,82 @@
+"""What the commands `grid`, `adapt` and `quality` print, draw and write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ..errors import GridgenError, MissingExtraError
+
+if TYPE_CHECKING:
+    from ..grids import Grid
+    from ..solvers import Result
+
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+def check_outputs(output: str | None, plot: str | None) -> None:
+    """Refuse files that cannot be written before any work is done."""
+    from importlib.util import find_spec
+
+    from ..atomic import check_target
+    from ..io import known_suffixes
+
+    if output and Path(output).suffix.lower() not in known_suffixes():
+        raise GridgenError(f"cannot write {output}: its suffix must be one of {', '.join(known_suffixes())}")
+    for path in filter(None, (output, plot)):
+        check_target(path)
+    if plot and Path(plot).suffix.lower() not in _PICTURES:
+        raise GridgenError(f"cannot write {plot}: a picture's suffix must be one of {', '.join(_PICTURES)}")
+    if plot and find_spec("matplotlib") is None:
+        raise MissingExtraError("--plot", "plot", "matplotlib")
+    if output and Path(output).suffix.lower() == ".cgns" and find_spec("h5py") is None:
+        raise MissingExtraError("writing a CGNS file", "io", "h5py")
+
+
+def report(quiet: bool, text: str) -> None:
+    """Print a line, unless the command is to be quiet."""
+    if not quiet:
+        click.echo(text)
+
+
+class Announcement:
+    """The line about the start, printed when the work begins: what cannot be used has been refused by then."""
+
+    def __init__(self, quiet: bool, source: str, start: Grid) -> None:
+        """Make the line, of a start that comes from `source`."""
+        from ..grids import quality
+
+        ni, nj = start.shape
+        folds = quality(start).folded_cells or "none"
+        self._quiet, self._text = quiet, f"start: {source}, {ni - 1} x {nj - 1} cells, {folds} of them folded"
+
+    def __call__(self, _: object = None) -> None:
+        """Print it, at the first step or after the work, but once."""
+        if self._text:
+            report(self._quiet, self._text)
+            self._text = ""
+
+
+def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, result: Result | None = None) -> None:
+    """Report the proofs that the boundary of a folded grid admits no valid one, and draw it, or these.
+
+    The `result` of a solver has its own certificates.
+    """
+    from ..certificates import certificates
+    from ..grids import quality as measure
+    from ..plotting import plot_certificates, plot_grid
+
+    if result:
+        found = result.certificates
+    else:
+        found = () if measure(made).valid else certificates(made, search=True)
+        for certificate in found:
+            click.secho(certificate.message, fg="red", err=True)
+    if plot:
+        if found:
+            plot_certificates(made, plot, found=found)
+        else:
+            plot_grid(made, plot, title=title)
+        report(quiet, f"wrote {plot}")
