@@ -1,4 +1,4 @@
-"""The four corners of an outline: all chosen, or those moved at which no valid grid could exist."""
+"""The four corners of an outline: chosen automatically, or moved where no valid grid could exist."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .sampling import arc_lengths, turns_at
 
 Corners = tuple[int, int, int, int]
 
-#: Inner angles in degrees: from the first on a corner counts as straight, and is moved to one of at most the second.
+#: Inner angles in degrees: a corner of at least the first counts as straight; it moves to one of at most the second.
 _STRAIGHT, _CONVEX = 170.0, 150.0
 #: Candidates of the automatic choice: so many sharp vertices, and so many at equal arc lengths.
 _SHARPEST, _EVEN = 24, 12
@@ -22,7 +22,7 @@ _SHARPEST, _EVEN = 24, 12
 
 @dataclass(frozen=True, slots=True)
 class CornerChoice:
-    """Four corners of an outline, and how good they are.
+    """Four corners of an outline, and their penalty.
 
     Attributes:
         corners: indices of the outline's points, counter-clockwise from corner 0.
@@ -80,7 +80,7 @@ def settled_corners(
 ) -> tuple[Corners, tuple[int, ...]]:
     """Move each corner that is straight or reflex between its boundary nodes to the nearest convex turn.
 
-    A corner moves by at most half of the side that it shortens. One without a convex turn so near is left.
+    A corner moves by at most half of the side that it shortens. Without a convex turn so near it stays.
 
     Args:
         points: the vertices of the outline.

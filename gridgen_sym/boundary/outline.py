@@ -66,7 +66,7 @@ class Outline:
                 their curves, left and right are exchanged. Without it such a curve is refused.
 
         Raises:
-            GridgenError: naming the outline, the fault, its place and the repair.
+            GridgenError: naming the outline, the fault, its position and the repair.
         """
         array, copies = checked_points(points, name)
         automatic, checked = isinstance(corners, str) and corners == "auto", (0, 1, 2, 3)
@@ -144,7 +144,7 @@ class Outline:
         corners: ArrayLike | Literal["auto"] | None = None,
         sampling: Sampling = "features",
     ) -> CornerChoice:
-        """Return the corners of a grid of ni x nj nodes, and how good they are.
+        """Return the corners of a grid of ni x nj nodes, and their penalty.
 
         Args:
             ni: nodes along bottom and top.

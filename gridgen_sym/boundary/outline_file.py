@@ -50,7 +50,7 @@ def _parsed_corners(value: str, where: str) -> list[int]:
 
 
 def _separator(line: str) -> str:
-    """Return what stands between the columns of a line; a blank means any blanks."""
+    """Return the separator of the columns of a line; a blank means any blanks."""
     return next((mark for mark in ";,\t" if mark in line), " ")
 
 
@@ -70,7 +70,7 @@ def _parsed_point(line: str, separator: str, first: bool, where: str) -> list[fl
 
 
 def _words(line: str, separator: str) -> list[str]:
-    """Return the columns of a line; where semicolons part them, a comma is a decimal point."""
+    """Return the columns of a line; where semicolons separate them, a comma is a decimal point."""
     if separator == " ":
         return line.split()
     words = line.split(separator)

@@ -36,7 +36,7 @@ def sampled_sides(points: Array, corners: Corners, nodes: tuple[int, int], sampl
 def corner_choice(
     points: Array, name: str, wanted: Corners, nodes: tuple[int, int], sampling: Sampling, *, keep: bool
 ) -> CornerChoice:
-    """Return the corners of a grid with so many nodes, and how good they are.
+    """Return the corners of a grid with given numbers of nodes, and their penalty.
 
     Args:
         points: the vertices of the outline.

@@ -1,4 +1,4 @@
-"""Closed polygons: orientation, repeated points, where they meet themselves, how often they wind and turn."""
+"""Closed polygons: orientation, repeated points, self-intersections, winding number and turning."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Pairs = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 def is_clockwise(points: Array) -> bool:
-    """Say whether a closed polygon (N, 2) runs clockwise, its signed area being negative."""
+    """Return whether a closed polygon (N, 2) runs clockwise, that is, has a negative signed area."""
     return area_sign(points) < 0
 
 
@@ -113,7 +113,7 @@ def _close_pairs(points: Array, check: Callable[[], object] | None) -> Iterator[
     low, high = np.minimum(start, end), np.maximum(start, end)
     order = np.argsort(low[:, 0], kind="stable")
     low, high = low[order], high[order]
-    # The edges that begin no later than edge k ends, and stand after it in the order.
+    # The edges that begin no later than edge k ends, and come after it in the order.
     last = np.searchsorted(low[:, 0], high[:, 0], side="right")
     following = last - np.arange(len(order)) - 1
     for first, stop in _blocks(following):
@@ -145,7 +145,7 @@ def _sides(points: Array, a: NDArray[np.intp], b: NDArray[np.intp]) -> tuple[NDA
 
 
 def _meet(points: Array, back: NDArray[np.bool_], a: NDArray[np.intp], b: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Say for each pair of edges a < b, whose boxes overlap, whether they meet wrongly."""
+    """Return for each pair of edges a < b, whose boxes overlap, whether they intersect."""
     before, after = b - a == 1, (a == 0) & (b == len(points) - 1)
     meet = np.zeros(len(a), dtype=bool)
     # Neighbors always share a point; they are wrong only when the second runs back along the first.

@@ -1,4 +1,4 @@
-"""Signs that are proved: orientation and area from floating-point numbers, in rational arithmetic where these doubt."""
+"""Exact signs: orientation and area in floating point with an error bound, else in rational arithmetic."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 
 # The error of the determinant of differences is below (3 + 16 u) u (|left| + |right|), u = 2**-53 (J. R. Shewchuk,
-# Discrete Comput. Geom. 18 (1997) 305-363); the second number stands for what underflows after scaling.
+# Discrete Comput. Geom. 18 (1997) 305-363); the second number bounds what underflows after scaling.
 _RELATIVE, _UNDERFLOW = 2.0**-51, 1e-300
 
 

@@ -23,11 +23,11 @@ Sampling = Literal["features", "equal"]
 _STRETCH = 1.5
 #: A vertex is sharp if the polyline turns by so much there (in radians), seen over one cell on either side.
 _SHARP = np.radians(20.0)
-#: Node k may stand so many cells from where equal spacing puts it.
+#: Node k may be so many cells away from its position at equal spacing.
 _BAND = 3
-#: What a turn of one radian is worth, in the units of one cell that is longer by the factor e.
+#: The weight of a turn of one radian, in units of one cell that is longer by the factor e.
 _WORTH = 1.0
-#: A stretch looks back so many cells for the sharp vertex before it.
+#: The previous sharp vertex is searched so many cells back.
 _REACH = 24
 
 
@@ -53,8 +53,9 @@ def arc_lengths(line: Array) -> Array:
 def turns_at(line: Array, length: Array, at: Array, reach: float, period: float | None = None) -> Array:
     """Return how much a polyline turns at arc lengths `at`, in radians, positive to the left.
 
-    The turn is that between the chords to the points one `reach` before and after: what a grid of that spacing sees.
-    With a `period`, the whole arc length, the polyline is closed and its last vertex is not a copy of the first.
+    The turn is that between the chords to the points one `reach` before and after: the turn at the resolution of that
+    spacing. With a `period`, the whole arc length, the polyline is closed and its last vertex is not a copy of the
+    first.
     """
     line = scaled(line)
     before, here, after = (
@@ -67,7 +68,7 @@ def turns_at(line: Array, length: Array, at: Array, reach: float, period: float 
 
 
 def _chosen_vertices(line: Array, length: Array, cells: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the nodes that stand on vertices, and these vertices, both with the ends: the cheapest choice."""
+    """Return the nodes that lie on vertices, and these vertices, both with the ends: the choice of least cost."""
     spacing = length[-1] / cells
     vertex, worth = _sharp_vertices(line, length, spacing)
     place = length[vertex] / spacing  # In cells.
@@ -78,11 +79,11 @@ def _chosen_vertices(line: Array, length: Array, cells: int) -> tuple[NDArray[np
     cost[0, _BAND] = 0.0
     came_from = np.zeros((*nodes.shape, 2), dtype=int)
     for m in range(1, len(vertex)):
-        # The sharp vertices within reach and the last one; and always the start, so that some way exists.
+        # The sharp vertices within reach and the last one; and always the start, so that some path exists.
         first = min(m - 1, int(np.searchsorted(place, place[m] - _REACH)))
         earlier = np.unique(np.concatenate(([0], np.arange(first, m))))
         number = nodes[m][None, None] - nodes[earlier][:, :, None]  # Cells: (earlier, offset there, offset here).
-        with np.errstate(divide="ignore", invalid="ignore"):  # No cells at all have no logarithm, and are not taken.
+        with np.errstate(divide="ignore", invalid="ignore"):  # A stretch without cells is excluded.
             log = np.log((place[m] - place[earlier])[:, None, None] / number)
             stretched = np.where(np.abs(log) <= np.log(_STRETCH), number * log**2, np.inf)
         step = stretched + (passed[m] - passed[earlier + 1])[:, None, None]
@@ -96,7 +97,7 @@ def _chosen_vertices(line: Array, length: Array, cells: int) -> tuple[NDArray[np
 def _way_back(
     vertex: NDArray[np.intp], nodes: NDArray[np.int_], came_from: NDArray[np.int_]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Follow the cheapest way from the end of the polyline to its start."""
+    """Follow the path of least cost from the end of the polyline to its start."""
     m, offset = len(vertex) - 1, _BAND
     way = [(m, offset)]
     while m > 0:
@@ -107,7 +108,7 @@ def _way_back(
 
 
 def _sharp_vertices(line: Array, length: Array, spacing: float) -> tuple[NDArray[np.intp], Array]:
-    """Return the vertices that may become nodes, with the ends, and what each is worth.
+    """Return the vertices that may become nodes, with the ends, and their weights.
 
     Of those nearer to each other than a third of a cell the sharpest is taken.
     """

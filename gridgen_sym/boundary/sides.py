@@ -38,5 +38,5 @@ def ring_of_sides(sides: Sides[Array]) -> Array:
 
 
 def grid_of_sides(sides: Sides[Array]) -> Grid:
-    """Return the transfinite grid between the nodes of the sides; see `transfinite` for what it refuses."""
+    """Return the transfinite grid between the nodes of the sides; see `transfinite` for its errors."""
     return transfinite(bottom=sides.bottom, top=sides.top, left=sides.left, right=sides.right)

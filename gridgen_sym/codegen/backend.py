@@ -1,7 +1,7 @@
 """What a back end is, and how one is found by its name: built in, registered, or installed as an entry point.
 
 A back end prints kernels in its language and makes callable functions of what it has printed. It is one folder: this
-package's are in `gridgen_sym/backends/`, and nothing imports them; anybody else's may be anywhere.
+package's are in `gridgen_sym/backends/`, and nothing imports them; others may be anywhere.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Function = Callable[..., None]
 class Backend(Protocol):
     """One back end: it prints kernels, and loads them.
 
-    Printing may load SymPy and Jinja2; all the rest must not, since a solver has no need of them.
+    Printing may load SymPy and Jinja2; all the rest must not, since a solver does not need them.
 
     Attributes:
         name: what `backend=` and GRIDGEN_SYM_BACKEND call it; also its folder in `generated/`, if it has one.

@@ -13,7 +13,7 @@ from .lower import LARGEST_PRODUCT
 
 
 class Printer(ABC):
-    """Prints the nodes that most languages write alike; subclasses say what differs."""
+    """Prints the nodes that most languages write alike; subclasses define what differs."""
 
     #: Names of functions in the language, by SymPy's name.
     functions: Mapping[str, str] = {}

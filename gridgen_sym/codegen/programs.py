@@ -149,7 +149,7 @@ def _position_slopes(system: tuple[Expr, Expr]) -> dict[str, Expr]:
     """Return the derivatives of the residual in the node's own position, through the weight.
 
     The third derivatives of the weight are left out: they would need ten planes of it, and Newton's method
-    converges, if a little slower, without them.
+    converges without them, a little slower.
     """
     along = {"x": {s: s_x, s_x: s_xx, s_y: s_xy}, "y": {s: s_y, s_x: s_xy, s_y: s_yy}}
     return {

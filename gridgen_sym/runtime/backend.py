@@ -1,4 +1,4 @@
-"""Which back end runs the kernels: what the caller, the environment and the machine say."""
+"""Choose the back end that runs the kernels: by the caller, the environment and the machine."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""What is made once per machine and kept: many processes at once, a killed one, a full disk or a damaged file are safe.
+"""The cache of what is made once per machine; safe with many processes, a killed one, a full disk, damaged files.
 
 The name of a kept file ends with the digest of its content. So a file that is not what was written is never used, and
-nobody waits for anybody: of two processes that make the same thing each writes it whole, under the same name.
+no process waits for another: two that make the same thing each write it completely, under the same name.
 
-What is kept runs as the user: so the folder must be the user's own, and nobody else can write in it.
+Cached libraries run as the user: so the folder must be the user's own, and nobody else may write to it.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def _distrust(status: os.stat_result) -> str:
 def find(stem: str, suffix: str) -> Path | None:
     """Return the file that was kept under a stem (a name, maybe in a folder), if it is as it was written.
 
-    A file that others can write is as good as none: it is made again.
+    A file that others can write is ignored and made again.
 
     Raises:
         GridgenError: if others can write in its folder.
@@ -98,7 +98,7 @@ def find(stem: str, suffix: str) -> Path | None:
         try:
             if not _distrust(path.stat()) and path.name == _name(stem, path.read_bytes(), suffix):
                 return path
-        except OSError:  # It cannot be read: as good as none.
+        except OSError:  # It cannot be read: ignored.
             continue
     return None
 

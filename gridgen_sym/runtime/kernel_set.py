@@ -216,7 +216,7 @@ class KernelSet:
         if name.startswith("euler_lagrange"):
             given = given.at_nodes()
         for array in (coordinates, *arguments):
-            # Compiled code reads memory as it is told: another type or order would give nonsense silently.
+            # Compiled code does not check its memory: another type or order would silently give wrong numbers.
             if isinstance(array, np.ndarray) and not (array.flags.c_contiguous and array.dtype in _TYPES):
                 raise GridgenError(
                     f"kernel {name} needs C-contiguous arrays of float64 (masks: uint8); came {array.dtype}, shape "

@@ -1,4 +1,4 @@
-"""Run a program to its end, within a time, and leave nothing of it behind."""
+"""Run a program with a time limit, and end all processes that it has started."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] 
 
 
 class _HeldInterrupt:
-    """Ctrl-C, held back in the main thread, which it reaches, until it is released."""
+    """Ctrl-C, deferred in the main thread, which receives it, until it is released."""
 
     def __init__(self) -> None:
         """Hold it back from now on."""
@@ -56,7 +56,7 @@ class _HeldInterrupt:
         self._came = True
 
     def release(self) -> None:
-        """Let it come, and come now if it was held back."""
+        """Let it through, now if it was deferred."""
         if self._holds:
             signal.signal(signal.SIGINT, self._handler)
         if self._came:

@@ -1,4 +1,4 @@
-"""How many threads work on a grid, and how those wait that have nothing to do."""
+"""The number of threads for a grid, and how idle threads wait."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ..messages import report_once
 
-#: Grids with fewer nodes are worked on by one thread: starting more would take longer.
+#: Grids with fewer nodes use one thread: starting more would take longer.
 _NODES_PER_THREAD = 8192
 #: How an OpenMP library is to wait, which it reads when it is loaded: GCC's for so many turns of a loop, then asleep.
 _WAITING = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "10000"}
@@ -19,7 +19,7 @@ _COUNT = re.compile("0*[1-9][0-9]{0,8}")
 
 @dataclass(slots=True)
 class _Team:
-    """What became of OpenMP's threads: a child process has none of its parent's, and waits for them for ever.
+    """The state of OpenMP's threads: a forked process has none of its parent's, and would wait for them forever.
 
     Attributes:
         started: whether more than one thread has been asked for in this process.
@@ -30,7 +30,7 @@ class _Team:
     lost: bool = False
 
     def note_fork(self) -> None:
-        """Note, in a child process, what it does not have."""
+        """Record, in a child process, that the threads are lost."""
         self.lost |= self.started
 
 
@@ -72,10 +72,10 @@ def threads_for(nodes: int) -> int:
 
 @contextmanager
 def threads_that_sleep() -> Iterator[None]:
-    """Let an OpenMP library that is loaded here put threads that wait for long to sleep, if the user does not object.
+    """Let an OpenMP library that is loaded here put waiting threads to sleep, unless the user has chosen otherwise.
 
-    By default they go on asking whether they may go on. Where other programs have the processors, too, they then hold
-    up the very thread that they wait for.
+    By default they spin. Where other programs use the processors, too, they then delay the thread that they wait
+    for.
     """
     if any(name in os.environ for name in _WAITING):
         yield

@@ -25,6 +25,7 @@ from support import (
     rendered,
     run,
     slopes,
+    tiered,
 )
 
 from gridgen_sym.backends.numpy.loader import load_module
@@ -128,7 +129,7 @@ def test_lowered_programs_equal_the_derived_expressions(case):
             assert not objections(run(program, values), expressions, values, SAME)
 
 
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_printed_numpy_equals_the_derived_expressions(case):
     expected = corner_expressions(*case) | (equation_expressions(*case) if case in EQUATION_CASES else {})
     for name, expressions in expected.items():
@@ -168,7 +169,7 @@ def gradient_objections(program, energy, values):
     ]
 
 
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_corner_gradient_is_the_slope_of_the_energy(case):
     programs = derived_kernel(*case).programs
     for values in corners(*case, programs["corner_slopes"]):
@@ -176,7 +177,7 @@ def test_corner_gradient_is_the_slope_of_the_energy(case):
         assert not gradient_objections(programs["corner_hessian"], programs["corner_energy"], values)
 
 
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_corner_hessian_is_the_slope_of_the_gradient(case):
     programs = derived_kernel(*case).programs
     for values in corners(*case, programs["corner_hessian"]):
@@ -193,7 +194,7 @@ def test_corner_hessian_is_the_slope_of_the_gradient(case):
                 assert close(found[f"q{row}{column}"], expected[f"p{row}"], DIFFERENCES)
 
 
-@pytest.mark.parametrize("case", EQUATION_CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_residual_slopes_are_the_slopes_of_the_residual(case):
     programs = derived_kernel(*case).programs
     values = inputs_of(*case, programs["residual"], 4)

@@ -14,6 +14,7 @@ from support import (
     random_grid,
     random_weight,
     relative_difference,
+    tiered,
 )
 
 from gridgen_sym.functionals import functional
@@ -55,9 +56,8 @@ def differences(function, xy):
     return columns.reshape(*columns.shape[:-1], *xy.shape)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_the_gradient_is_the_slope_of_the_energy(case, inner):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
     gradient = kernels.energy_gradient(xy, moving_weight(case, xy), interior_only=inner)[2]
@@ -65,9 +65,8 @@ def test_the_gradient_is_the_slope_of_the_energy(case, inner):
     assert relative_difference(gradient, expected) < 1e-7
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_the_hessian_is_the_slope_of_the_gradient(case, inner):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
 
@@ -146,7 +145,7 @@ def at(array, offset):
 
 
 @pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_the_semidefinite_hessian_has_no_negative_eigenvalue(case, inner):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
     planes = kernels.hessian(xy, moving_weight(case, xy), semidefinite=True, interior_only=inner)
@@ -166,8 +165,7 @@ def test_some_full_hessian_has_a_negative_eigenvalue():
     assert {"area", "orthogonality", "winslow"} <= set(indefinite)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("case", EQUATION_CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_the_jacobian_is_the_slope_of_the_residual(case):
     kernels, spacing = kernel_set(*case, BACKEND), (0.7, 0.4)
     xy = grid_of(case, (5, 4))
@@ -204,7 +202,7 @@ def dense_jacobian(planes):
     return matrix.reshape(2 * ni * nj, 2 * ni * nj)
 
 
-@pytest.mark.parametrize("case", EQUATION_CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_the_frozen_jacobian_has_the_coefficients_of_the_second_derivatives_alone(case):
     """What is frozen is the operator: a linear function has no second differences, so the Jacobian sends it to zero."""
     kernels, spacing = kernel_set(*case, BACKEND), (0.7, 0.4)
@@ -289,7 +287,7 @@ def test_the_regularized_energy_tends_to_the_plain_one():
 # ---- symmetries of the plane ----
 
 
-@pytest.mark.parametrize("case", [case for case in CASES if case[1] != "differentiated"], ids=case_name)
+@pytest.mark.parametrize("case", tiered(case for case in CASES if case[1] != "differentiated"), ids=case_name)
 def test_a_translation_changes_nothing(case):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
     weight = moving_weight(case, xy)
@@ -299,7 +297,7 @@ def test_a_translation_changes_nothing(case):
     assert np.abs(hessian.sum(axis=3)).max() < 1e-11 * np.abs(hessian).max()
 
 
-@pytest.mark.parametrize("case", CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_a_rotation_turns_the_gradient_and_keeps_the_energy(case):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
     weight = random_weight(len(kernels.planes), *SIZE)

@@ -15,7 +15,7 @@ from functools import cache, lru_cache
 import numpy as np
 import pytest
 import sympy
-from support import EQUATION_CASES, case_name, derived_kernel, kernel_set, observed_order, rendered
+from support import EQUATION_CASES, case_name, derived_kernel, kernel_set, observed_order, rendered, tiered
 
 from gridgen_sym.backends.numpy.loader import load
 from gridgen_sym.functionals import define, functional
@@ -122,13 +122,13 @@ def user_case(request, clean_registry):
     return define("blend", blend, corner_factor=3), request.param
 
 
-@pytest.mark.parametrize("case", EQUATION_CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_the_discrete_gradient_tends_to_the_residual(case):
     assert order_of(gradient_error, functional(case[0]), kernel_set(*case)) > SECOND_ORDER
     assert gradient_error(functional(case[0]), kernel_set(*case), FINE) < 0.02
 
 
-@pytest.mark.parametrize("case", EQUATION_CASES, ids=case_name)
+@pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_the_residual_kernel_tends_to_the_residual(case):
     assert order_of(residual_error, functional(case[0]), kernel_set(*case)) > SECOND_ORDER
     assert residual_error(functional(case[0]), kernel_set(*case), FINE) < 0.02
