@@ -18,6 +18,13 @@ class GridgenError(ValueError):
         super().__init__(message)
 
 
+class UnusableValueError(GridgenError):
+    """A field has no value that can be used at some point: not finite, too large, or negative where it must not be.
+
+    At a point that a solver only tries this ends the trial, not the run.
+    """
+
+
 def quoted(value: object, longest: int = 200) -> str:
     """Return what was given as it would be typed, for a message: cut where it is too long to read."""
     return shortened(repr(value), longest)

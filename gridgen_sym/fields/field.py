@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array, real_array
-from ..errors import GridgenError, quoted
+from ..errors import GridgenError, UnusableValueError, quoted
 from .formula import Formula, SymbolicFormula, is_expression
 from .function import Function, required_arguments, takes_two_arrays
 from .sampled import SampledField, nodal
@@ -115,7 +115,7 @@ class Field:
         if bad.any():
             value, bad = np.broadcast_to(value, x.shape), np.broadcast_to(bad, x.shape)
             index = tuple(int(k) for k in np.argwhere(bad)[0])
-            raise GridgenError(
+            raise UnusableValueError(
                 f"{self.name}{what} must be finite at every {where}; it is {value[index]} at {where} {index}, "
                 f"x = {x[index]:.6g}, y = {y[index]:.6g}: check {'its formula' if self.evaluator else 'it'} there"
             )

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
-from ..errors import GridgenError, quoted
+from ..errors import GridgenError, UnusableValueError, quoted
 from ..grids import Grid
 from .field import Field, as_field
 from .field import Source as Source
@@ -123,7 +123,7 @@ class Weight:
         _check_size(value, "the weight", coordinates)
         if value.min() < 0 and not self.allow_negative:
             i, j = divmod(int(value.argmin()), value.shape[1])
-            raise GridgenError(
+            raise UnusableValueError(
                 f"the weight must not be negative: it is {value.min():.6g} at {where} ({i}, {j}), x = {x[i, j]:.6g}, "
                 f"y = {y[i, j]:.6g}, and where cells may fold the energy has no lower bound. Add at least "
                 f"{-value.min():.6g} to it, take its absolute value, or insist with Weight(..., allow_negative=True) "
@@ -145,7 +145,7 @@ def _check_size(value: Array, name: str, coordinates: Array) -> None:
     if np.abs(value).max() > LARGEST:
         i, j = divmod(int(np.abs(value).argmax()), value.shape[1])
         x, y = coordinates[:, i, j]
-        raise GridgenError(
+        raise UnusableValueError(
             f"{name} is {value[i, j]:.3g} at node ({i}, {j}), x = {x:.6g}, y = {y:.6g}, and its square overflows: "
             f"divide it by a constant (at most {LARGEST:g} is allowed)"
         )

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array, Mask
+from ..errors import UnusableValueError
 from ..fields.weight import Source, Weight, as_weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
@@ -113,8 +114,12 @@ class Problem:
             for seed, count in enumerate(coordinates.shape[1:])
         )
         moved = coordinates + rows[:, :, None] * (columns[:, None, :] / (little or 1.0))
-        energy, _, there = self.energy_gradient(moved)
-        self.refresh(coordinates)
+        try:
+            energy, _, there = self.energy_gradient(moved)
+        except UnusableValueError:  # At a node that has left the domain, where the weight exists.
+            return 0.0
+        finally:
+            self.refresh(coordinates)
         there -= gradient
         eps, change = float(np.finfo(float).eps), norm_of(there)
         # A gradient that does not change at all (of a null Lagrangian) still is a sum of rounded terms.

@@ -7,6 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import gridgen_sym as gg
+from gridgen_sym.errors import UnusableValueError
 from gridgen_sym.solvers.convergence import ConvergenceTest
 from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.newton.line_search import LineSearch
@@ -17,6 +19,8 @@ from gridgen_sym.solvers.run.step_control import StepControl, diverges, jacobian
 
 class OneNumber:
     """An energy of the first coordinate alone; its Jacobian, too, is a function of it."""
+
+    weight = None
 
     def __init__(self, energy, slope, jacobian=lambda x: 1.0, scale=1.0, round_off=0.0, barrier=True):
         self._energy, self._slope, self._jacobian = energy, slope, jacobian
@@ -200,3 +204,45 @@ def test_rounding_is_measured_where_it_decides():
     assert not ConvergenceTest(Iterate(problem, place(20.0)), 0.1).reached(Iterate(problem, place(4.0))), (
         "who asks for little"
     )
+
+
+# ---- a weight that has no value at a trial point ----
+
+
+def ends_at_one(x):
+    """An energy whose weight does not exist beyond 1."""
+    if x > 1:
+        raise UnusableValueError("no value there")
+    return (x - 3) ** 2
+
+
+def test_a_trial_point_without_a_value_is_a_refused_step():
+    found = search(OneNumber(ends_at_one, lambda x: 2 * (x - 3)), 0.0)
+    assert found.along(direction(3.0))
+    assert found.length == 0.25
+    assert not found.folds, "no cell would have been folded"
+    assert found.away(direction(3.0))
+    assert 0 < found.length * 3 <= 1
+
+
+def test_a_held_weight_must_exist_where_a_step_leads():
+    problem = OneNumber(lambda x: (x - 3) ** 2, lambda x: 2 * (x - 3))
+    problem.weight = SimpleNamespace(lags=True, values=lambda place: ends_at_one(place[0, 0, 0]))
+    found = search(problem, 0.0)
+    assert found.along(direction(3.0))
+    assert found.length == 0.25
+    problem.weight.lags = False
+    assert found.along(direction(3.0))
+    assert found.length == 1.0
+
+
+@pytest.mark.parametrize("mode", ["frozen", "differentiated"])
+@pytest.mark.parametrize("formula", ["1 + 20/cosh(20*(x+y-1))**2", "sqrt(1.0001-x)*sqrt(1e-4+x)*sqrt(1.0001-y)"])
+def test_a_weight_that_ends_near_the_boundary_ends_no_run(formula, mode):
+    """Pure area with such a weight has its first trial points far outside."""
+    start = gg.domain("square", 17, 17)
+    result = gg.optimize(
+        start, "area_winslow", weight=gg.Weight(formula, mode), parameters={"k": 1e-9}, max_iterations=25
+    )
+    assert result.quality.valid
+    assert result.energy < gg.energy(start, "area_winslow", weight=gg.Weight(formula, mode), parameters={"k": 1e-9})

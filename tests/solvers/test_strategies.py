@@ -7,11 +7,16 @@ from support_boundaries import grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
 from gridgen_sym.certificates.branching import DEFAULT_BUDGET, LARGE_BUDGET
+from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import StopRequest
+from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.run.status import StopReason
 from gridgen_sym.solvers.untangling import proofs
+from gridgen_sym.solvers.untangling.all_nodes import AllNodes
 from gridgen_sym.solvers.untangling.coarse_grids import CoarseGrids
 from gridgen_sym.solvers.untangling.feasible_starts import FeasibleStarts
+from gridgen_sym.solvers.untangling.strategies import begin_search
+from gridgen_sym.solvers.untangling.winslow_barrier import WinslowBarrier
 
 SLIVER, CONFLICT = (gg.Certificate(kind, (), (0.0, 0.0), {}, f"a {kind}") for kind in ("sliver", "conflict"))
 
@@ -92,3 +97,21 @@ def test_whatever_is_stopped_tells_once_what_is_folded_and_what_is_proved(stages
     assert result.message.count("folded") == result.message.count(f" {folded} cells are folded.") == 1
     assert result.certificates == tuple(first.values())
     assert result.message.count("a sliver") == len(first)
+
+
+def test_a_barrier_that_is_too_weak_falls_back_on_winslows():
+    """By itself this barrier leaves folds in the swan."""
+    mu = 1e-3
+    weak = gg.define("weak", "(g11 + g22) - mu*log(J)", parameters={"mu": 1.0}, constraints=("mu > 0",))
+    start = gg.domain("swan", 33, 33)
+    result = gg.optimize(start, weak, parameters={"mu": mu})
+    assert result.quality.valid
+    assert result.untangled_by
+    assert f"untangled first ({result.untangled_by})" in result.message
+    problem = make_problem(start, weak, parameters={"mu": mu})
+    search = begin_search(problem, weak, start.planes, {"mu": mu}, Progress("weak", show=False))
+    search.run([AllNodes()])
+    assert not search.valid
+    search.run([WinslowBarrier()])
+    assert search.valid
+    assert search.untangled_by == WinslowBarrier().name

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import Array
+from ...errors import UnusableValueError
 from ..iterate import Iterate
 from ..problem import inner
 
@@ -42,9 +43,9 @@ class LineSearch:
         for _ in range(_HALVINGS):
             self.energy, smallest = self._energy_at(direction, self.length)
             lower = self.energy <= self.iterate.energy + _SUFFICIENT * self.length * slope + round_off
-            if lower and smallest > self.lowest:
+            if lower and smallest > self.lowest and self._weight_exists():
                 return True
-            self.folds |= bool(lower)
+            self.folds |= bool(lower) and not smallest > self.lowest
             self.length *= 0.5
         return False
 
@@ -59,7 +60,7 @@ class LineSearch:
         self.length, self.folds = 0.0, False
         for _ in range(_HALVINGS):
             energy, smallest = self._energy_at(direction, length)
-            if energy < least and smallest > self.lowest:
+            if energy < least and smallest > self.lowest and self._weight_exists():
                 self.length, self.energy, least = length, energy, energy
             elif self.length:
                 break
@@ -67,10 +68,27 @@ class LineSearch:
         return self.length != 0.0
 
     def _energy_at(self, direction: Array, length: float) -> tuple[float, float]:
-        """Return the energy and the smallest Jacobian after a step of this length."""
+        """Return the energy and the smallest Jacobian after a step of this length.
+
+        Where the weight has no value that can be used the energy is infinite, so that the step is refused.
+        """
         np.multiply(direction, length, out=self.trial)
         self.trial += self.iterate.coordinates
-        return self.iterate.problem.energy(self.trial)
+        try:
+            return self.iterate.problem.energy(self.trial)
+        except UnusableValueError:
+            return np.inf, -np.inf
+
+    def _weight_exists(self) -> bool:
+        """Return whether a weight that is held now can be evaluated on the trial grid, once the step is taken."""
+        weight = self.iterate.problem.weight
+        if weight is None or not weight.lags:
+            return True
+        try:
+            weight.values(self.trial)
+        except UnusableValueError:
+            return False
+        return True
 
 
 def _noise(energy: float) -> float:
