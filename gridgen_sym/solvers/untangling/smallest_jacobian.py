@@ -47,6 +47,27 @@ class SmallestJacobian:
                 search.best.offer(coordinates)
 
 
+@dataclass(frozen=True, slots=True)
+class SmallestJacobianOfAll:
+    """Maximize the smallest Jacobian of a small grid with all free nodes, from the start and from the best grid."""
+
+    name: str = "largest smallest Jacobian of all nodes"
+
+    def run(self, search: Search) -> None:
+        """Work on the whole grid, if it has few enough free nodes."""
+        free = search.problem.fixed == 0
+        if not 0 < free.sum() <= MOST_NODES:
+            return
+        for start in (search.start, search.best.coordinates):
+            coordinates = start.copy()
+            try:
+                FoldedRegion(coordinates, free).maximize(search.progress)
+            finally:
+                search.best.offer(coordinates)
+            if search.done:
+                return
+
+
 def surroundings(coordinates: Array, fixed: Mask, layers: int) -> Iterator[npt.NDArray[np.bool_]]:
     """Return the free nodes (ni, nj) up to some cells from each fold at a corner with a free node."""
     from scipy.ndimage import binary_dilation, label

@@ -14,13 +14,16 @@ from .coarse_grids import CoarseGrids
 from .feasible_starts import FeasibleStarts
 from .folded_nodes import FoldedNodes
 from .folded_subdomains import FoldedSubdomains
+from .other_barriers import OtherBarriers
 from .proofs import ProofSearch, QuickProofs, SliverSearch
 from .search import Search, Strategy
-from .smallest_jacobian import SmallestJacobian
-from .winslow_barrier import WinslowBarrier
+from .smallest_jacobian import SmallestJacobian, SmallestJacobianOfAll
+from .stretched_coordinates import StretchedCoordinates
 
 #: On a grid with so many nodes a valid coarse grid is found and refined faster than the barrier is followed to its end.
 _LARGE = 4096
+#: On a grid with at most so many nodes the barrier is followed to its end in less than a second.
+_SMALL = 2048
 
 #: What follows the regularized barrier. A subdomain or a coarse grid is untangled by these alone.
 REGULARIZED: tuple[Strategy, ...] = (FoldedNodes(), FoldedSubdomains(), AllNodes())
@@ -35,8 +38,11 @@ STRATEGIES: tuple[Strategy, ...] = (
     CoarseGrids(((2, 2), (4, 4))),
     SmallestJacobian(),
     QuickProofs(),
-    WinslowBarrier(),
+    OtherBarriers(("winslow",)),
+    OtherBarriers(("modified_liao", "area_winslow"), most_nodes=_SMALL),
+    SmallestJacobianOfAll(),
     ProofSearch(DEFAULT_BUDGET),
+    StretchedCoordinates(most_nodes=_SMALL),
     FeasibleStarts(DEFAULT_BUDGET),
     SliverSearch(DEFAULT_BUDGET),
     CoarseGrids(((2, 1), (1, 2), (3, 3))),
