@@ -41,6 +41,17 @@ def test_summed_corners_keep_their_barrier():
     assert result.energy < gg.energy(gg.optimize(start, "winslow").grid, "winslow", interior_only=True)
 
 
+def test_no_more_than_the_summed_corners_must_be_untangled():
+    """The boundary turns the wrong way at a corner, in whose corner no sum has a part."""
+    xy = gg.domain("square", 5, 5).xy
+    xy[0, 0], xy[2, 2] = 0.4, 0.9
+    literal = gg.optimize(gg.Grid(xy), "winslow", interior_only=True, keep_valid=False)
+    assert literal.converged
+    assert literal.quality.folded_cells == 1
+    assert smallest_inner_jacobian(literal.grid.planes) > 0
+    assert not gg.optimize(gg.Grid(xy), "winslow", interior_only=True).converged
+
+
 def test_corners_at_inner_nodes():
     planes = np.stack(np.meshgrid(np.arange(4.0), np.arange(5.0), indexing="ij"))
     assert smallest_inner_jacobian(planes) == 1

@@ -118,6 +118,9 @@ def test_a_report_says_for_which_parameters_it_holds():
     text = derive_text(made("g11 - k*g22", {"k": -1}, "k < 1"))
     assert "is not always positive semidefinite where J > 0 and k < 1; the density is not polyconvex there" in text
     assert re.search(r"Witness, at which P is not convex: k = 0\.\d+\.\n", text)
+    assert "No constraint" not in text
+    text = derive_text(made("g11 - k*g22", {"k": -1}))
+    assert "No constraint keeps k from that value; with one, such as k > 0, it may hold." in text
     text = derive_text(functional("length"))
     assert "is positive semidefinite where J > 0; the density is polyconvex there (proved)." in text
     assert "Classification, where J > 0\n" in text

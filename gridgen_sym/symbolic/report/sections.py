@@ -110,6 +110,10 @@ def _splitting(model: CornerModel) -> Iterator[str]:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in found.witness)
         free = ", with D for J as a variable of its own" if any(str(name) == "D" for name, _ in found.witness) else ""
         yield f"Witness, at which P is not convex: {values}{free}."
+        unbound = [str(p) for p, _ in found.witness if str(p) in model.functional.parameters]
+        if unbound and not model.functional.constraints:
+            names = ", ".join(unbound)
+            yield f"No constraint keeps {names} from that value; with one, such as {unbound[0]} > 0, it may hold."
 
 
 def _entries(head: str, matrix: sympy.Matrix, names: list[str]) -> list[tuple[str, Expr]]:
