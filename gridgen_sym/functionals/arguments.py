@@ -1,4 +1,4 @@
-"""What `define` accepts: names, parameters and their defaults; anything else is refused with the way to mend it."""
+"""What `define` accepts: names, parameters and their defaults; anything else is refused with the repair."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def _check_powers(functional: Functional, density: sympy.Expr) -> None:
 
 
 def _check_value(functional: Functional, density: sympy.Expr, corner: tuple[int, int, int, int]) -> None:
-    """Evaluate in complex floats, in which every density takes a moment; exact numbers may grow without end."""
+    """Evaluate in complex floats, in which every density takes a moment; exact numbers may grow without bound."""
     import sympy
 
     values = {name: complex(value) for name, value in sample_values(corner)}

@@ -1,4 +1,4 @@
-"""What a functional is: a density, its parameters, and what is said of it."""
+"""What a functional is: a density, its parameters, and its description."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Functional:
         return density.xreplace({value: sympy.Rational(repr(float(value))) for value in floats})
 
     def _call(self, parameters: Mapping[str, Any]) -> Any:  # noqa: ANN401
-        """Call the density function; say what went wrong in the language of functionals."""
+        """Call the density function; report errors in the terms of functionals."""
         density = self.density
         assert not isinstance(density, str)
         try:

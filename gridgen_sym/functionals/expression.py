@@ -15,7 +15,7 @@ from ..errors import GridgenError, quoted
 
 #: Functions that a density or a weight may call, by the name used in text.
 FUNCTION_NAMES = ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "abs")
-#: Bounds on what a text may hold: beyond them SymPy computes without end, or kernels overflow.
+#: Bounds on what a text may hold: beyond them SymPy computes forever, or kernels overflow.
 LONGEST = 20_000
 DEEPEST = 200
 LARGEST = 1e300

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import sympy
 
 Array = NDArray[np.float64]
-#: Values beyond this may have derivatives that overflow, which says nothing about the density.
+#: Values beyond this may have derivatives that overflow, which does not concern the density.
 _HUGE = 1e100
 
 

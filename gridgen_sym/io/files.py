@@ -69,7 +69,7 @@ def write(grid: Grid, path: str | os.PathLike[str]) -> None:
         path: as for `read`; an existing file is replaced.
 
     Raises:
-        GridgenError: for an unknown suffix, or a place where no file can be written.
+        GridgenError: for an unknown suffix, or a path at which no file can be written.
         MissingExtraError: for ``.cgns``, if h5py is not installed.
     """
     write_bytes(path, _format_of(path).encode(grid))

@@ -41,7 +41,7 @@ def decode(data: bytes) -> Grid:
             compressor, or data that do not fit the extent.
     """
     xml, appended = _split_appended(data)
-    if b"<!DOCTYPE" in xml or b"\0" in xml:  # Entities could be written out without end; UTF-16 would hide them.
+    if b"<!DOCTYPE" in xml or b"\0" in xml:  # Entities could expand without bound; UTF-16 would hide them.
         raise GridgenError(f"it declares a document type, or is no plain text, which no VTK file does; {DAMAGED}")
     try:
         root = ElementTree.fromstring(xml)

@@ -7,7 +7,7 @@ weight asks and then roughen the grid, so they are stopped, as the paper's smoot
 second weight is negative on almost half of the square, where larger cells have less energy (erratum E8).
 
 What the paper was after is had by `adapt`: a smoothed weight, damped, and a little of winslow beside the area
-(`area_winslow`). Its grids stand beside those of the sweeps; of the second weight the positive part is taken there.
+(`area_winslow`). Its grids are shown beside those of the sweeps; of the second weight the positive part is taken there.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Sections 3.2 to 3.5: the functionals against each other, and against transfinite interpolation.
 
-The paper gives its domains as pictures only. Here stand classical ones on which the effects show.
+The paper gives its domains as pictures only. Classical domains that show the effects are used here.
 """
 
 from __future__ import annotations

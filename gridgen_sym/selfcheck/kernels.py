@@ -89,7 +89,7 @@ def backends(functional: Functional) -> Check:
     return difference(name, float(np.max(apart)), _BACKEND_LIMIT)
 
 
-#: Where gradient and Hessian stand among the outputs.
+#: Positions of gradient and Hessian among the outputs.
 _DERIVATIVES = (2, 4)
 
 

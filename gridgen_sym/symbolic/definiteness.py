@@ -18,7 +18,7 @@ SAMPLES = 20_000
 _ROUND_OFF = 1e-9
 #: No algebra is tried where numerators have a higher degree in the first derivatives: it would take minutes, or hours.
 _HIGHEST = 12
-_HUGE = 1e100  # beyond this, products of entries overflow: such points tell nothing
+_HUGE = 1e100  # beyond this, products of entries overflow: such points are not informative
 
 
 @dataclass(frozen=True, slots=True)

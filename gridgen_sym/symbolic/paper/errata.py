@@ -137,9 +137,9 @@ ERRATA = (
         ("unbounded where folded", "finite where folded"),
         ("winslow-unfolded", "winslow-bounded", "modified-liao-unfolded"),
         (),
-        "the claim holds only while every J > 0: a folded start stands on the wrong side of the barrier",
+        "the claim holds only while every J > 0: a folded start is on the wrong side of the barrier",
         (
-            r"Where $J > 0$ everywhere, the Winslow energy of a corner is at least 2, and it grows without end "
+            r"Where $J > 0$ everywhere, the Winslow energy of a corner is at least 2, and it grows without bound "
             r"as a cell closes: the barrier. The paper concludes that the functional is bounded below and "
             r"produces unfolded grids. Both hold on the valid side of the barrier only. Where $J < 0$ the energy"
             r" $(g_{11} + g_{22})/J$ is negative and falls to $-\infty$ as $J \to 0^-$: from a folded start a "
@@ -213,7 +213,7 @@ ERRATA = (
         (
             r"Both densities are of degree 0: they see the shape of a cell, and not its size. The cell with "
             r"$\mathbf g_1 = (t, 0)$ and $\mathbf g_2 = (0, t)$ is a square for every $t$, with $J = t^2 \to 0$ and "
-            r"$\mathsf K = 2$. The value grows without end where an edge keeps its length, or the angle closes."
+            r"$\mathsf K = 2$. The value grows without bound where an edge keeps its length, or the angle closes."
         ),
     ),
 )
