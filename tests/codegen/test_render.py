@@ -50,6 +50,7 @@ def test_committed_c_compiles_without_a_warning(path, tmp_path):
     assert told.returncode == 0, told.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("path", sorted(HEADERS.glob("*.c")), ids=lambda path: path.stem)
@@ -58,6 +59,7 @@ def test_every_compiler_reads_committed_c_without_a_warning(path, compiler, tmp_
     assert told.returncode == 0, told.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("part", [None, *(macro for macro, _ in PARTS)])
 @pytest.mark.parametrize("name", ["winslow", "area_winslow_regularized", "area_differentiated"])

@@ -39,6 +39,7 @@ each_weighted = pytest.mark.parametrize("name", WEIGHTED)
 # ---- sources ----
 
 
+@pytest.mark.slow
 @each_weighted
 @each_method
 @pytest.mark.parametrize("mode", MODES)

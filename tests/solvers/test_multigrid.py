@@ -352,6 +352,7 @@ def test_an_interrupt_returns_the_best_grid():
     assert result.energy < gg.energy(start, "winslow")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stencil", ["symmetric", "general"])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("threads", ["-fopenmp", "-Wno-unknown-pragmas"])

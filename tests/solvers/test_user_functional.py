@@ -48,6 +48,7 @@ def test_it_is_minimized_on_both_backends(method, which, backend, request):
     assert result.energy == pytest.approx(expected.energy, rel=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["newton", "relaxation"])
 @pytest.mark.parametrize("which", ["walled", "springy"])
 def test_its_equations_are_solved_on_both_backends(method, which, backend, request):

@@ -31,6 +31,7 @@ KNOWN = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KNOWN)
 def test_the_words_of_the_equations_are_those_of_the_classification(name):
     assert equation_words(functional(name)) == classify(functional(name)).words()
@@ -81,6 +82,7 @@ def test_witness_is_exact(name):
     assert found.ellipticity.how_known == "shown by an exact witness"  # Refuted is that it is elliptic.
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("density", "expected"),
     [
@@ -141,6 +143,7 @@ def test_invariances_can_fail():
     assert classify(Functional("mixed", "J**2 + g11")).scaling_degree is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "density", ["exp(g11)/J", "sqrt(g11)*g22/J", "abs(J - 1)*g11", "log(J)**2 + g11", "s*exp(J)/J"]
 )

@@ -105,6 +105,7 @@ def test_position_derivatives_through_the_weight(name):
         assert all(sympy.simplify(expand_metric(part)) == 0 for part in cross - expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "variant"), CASES)
 def test_semidefinite_hessian(name, variant):
     model = corner_model(functional(name), variant)

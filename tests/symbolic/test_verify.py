@@ -41,6 +41,7 @@ def test_each_erratum_is_found_where_it_stands(verdicts, key):
     assert {name for name, verdict in verdicts.items() if verdict.erratum == key} == EXPECTED[key]
 
 
+@pytest.mark.slow
 def test_nothing_else_differs(verdicts):
     assert not [name for name, verdict in verdicts.items() if verdict.is_discovery]
 
