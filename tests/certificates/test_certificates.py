@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +14,7 @@ from support_boundaries import boundary_grids, closed_curves, grid_of_ring, vali
 import gridgen_sym as gg
 from gridgen_sym.boundary.polygon import first_crossing, proper_crossings, winding_number
 from gridgen_sym.boundary.predicates import area_sign, orientation
+from gridgen_sym.certificates.certificate import Numbers
 from gridgen_sym.certificates.node_constraints import infeasible_nodes
 from gridgen_sym.certificates.proofs import _cells_text
 from gridgen_sym.grids import corner_jacobians
@@ -48,6 +51,15 @@ def test_a_valid_grid_has_none(grid):
     assert gg.certificates(grid) == ()
 
 
+@pytest.mark.parametrize("spacing", [[0, 1e-200, 1, 1e200], [-1.7e308, 0, 5e-324, 1e-300, 1.7e308]], ids=["far", "all"])
+def test_a_valid_grid_of_very_different_sizes_has_none(spacing):
+    """Products of its lengths overflow, and vanish."""
+    xy = np.stack(np.meshgrid(spacing, spacing, indexing="ij"), axis=-1)
+    assert gg.certificates(gg.Grid(xy)) == ()
+    xy[1:-1, 1:-1] = xy[1, 0]
+    assert gg.certificates(gg.Grid(xy), search=True, budget=200) == ()
+
+
 @given(boundary_grids())
 def test_any_boundary_is_answered_with_finite_numbers(grid):
     for found in gg.certificates(grid):
@@ -78,6 +90,27 @@ def test_a_nearly_straight_corner_is_decided_exactly(offset, part, shift):
     straight = orientation(left[1], bottom[0], bottom[1])[0] > 0
     found = [c for c in gg.certificates(gg.transfinite(bottom, top, left, right)) if c.kind == "corner"]
     assert bool(found) is not bool(straight)
+
+
+@pytest.mark.parametrize("prove", [partial(gg.certificates, search=True), gg.sliver_certificate])
+def test_the_old_name_of_a_budget_works_with_a_warning(prove):
+    grid = gg.domain("square", 5, 5)
+    with pytest.warns(DeprecationWarning, match="`work` is called `budget` now"):
+        assert not prove(grid, work=7)
+    with (
+        pytest.warns(DeprecationWarning, match="budget"),
+        pytest.raises(gg.GridgenError, match=r"^work must .* came 0$"),
+    ):
+        prove(grid, work=0)
+
+
+def test_the_old_name_of_a_fraction_works_with_a_warning():
+    numbers = Numbers(cells=2, jacobian_fraction=0.1)
+    with pytest.warns(DeprecationWarning, match="'share' is called 'jacobian_fraction' now"):
+        assert numbers["share"] == 0.1
+    for name, absent in (("share", Numbers(cells=2)), ("angle", numbers)):
+        with pytest.raises(KeyError, match=name):
+            absent[name]
 
 
 @pytest.mark.parametrize("measure", [gg.certificates, gg.quality])

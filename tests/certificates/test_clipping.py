@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from support_boundaries import SEEDS, star_polygon
 from support_polygons import inside, moved, points_in, random_polygon
 
+from gridgen_sym.certificates import convex_decomposition
 from gridgen_sym.certificates.clipping import _contains, bisect, clip_to_positive, clip_to_visible, intersection
 from gridgen_sym.certificates.convex_decomposition import decompose_inside, decompose_outside
 from gridgen_sym.certificates.integer_polygons import (
@@ -174,6 +175,15 @@ def test_what_is_outside_and_inside_of_a_polygon_is_cut_into_convex_pieces(seed,
 
 def nothing():
     pass
+
+
+def test_a_decomposition_with_a_gap_is_refused(monkeypatch):
+    """What is inside must be covered, or a feasible position could be excluded."""
+    ring = [(0, 0), (4, 0), (4, 4), (2, 1), (0, 4)]
+    assert decompose_inside(ring, nothing)
+    triangulate = convex_decomposition._triangulate
+    monkeypatch.setattr(convex_decomposition, "_triangulate", lambda *arguments: triangulate(*arguments)[1:])
+    assert decompose_inside(ring, nothing) == []
 
 
 def skyline(heights):
