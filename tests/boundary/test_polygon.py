@@ -10,7 +10,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from gridgen_sym.boundary.polygon import first_crossing, first_repeated, proper_crossings, turns, winding_number
+from gridgen_sym.boundary.polygon import (
+    first_crossing,
+    first_repeated,
+    is_clockwise,
+    proper_crossings,
+    turns,
+    winding_number,
+)
 from gridgen_sym.boundary.predicates import area_sign, orientation
 
 #: So few that most triples are on one line, and many points on an edge.
@@ -79,6 +86,11 @@ def test_windings_are_exact(points, data):
     assert winding_number(np.array(points), np.array(at)) == expected
 
 
+@given(POINTS)
+def test_a_polygon_is_clockwise_if_its_area_is_negative(points):
+    assert is_clockwise(np.array(points)) == (area_sign(np.array(points)) < 0)
+
+
 def meet(one, other):
     """Whether two edges have a point in common."""
     (p, q), (r, s) = one, other
@@ -134,7 +146,8 @@ def test_turns_add_up_to_whole_revolutions(points):
 @pytest.mark.parametrize(("x", "winding"), [(-1.0, 0), (0.0, None), (1.0, None), (2.0, None), (3.0, 0)])
 @pytest.mark.parametrize("level", [0.0, 2.0])
 def test_a_point_on_a_level_edge_is_on_the_polygon(level, x, winding):
-    """On its ends, between them, and beside them, where the line of the edge goes on."""
+    """On its ends, between them, and beside them, where the line of the edge goes on; so of an upright edge."""
     square = np.array([(0, 0), (2, 0), (2, 2), (0, 2)], dtype=float)
     for ring in (square, square[::-1]):
         assert winding_number(ring, np.array([x, level])) == winding
+        assert winding_number(ring, np.array([level, x])) == winding

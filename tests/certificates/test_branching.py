@@ -275,7 +275,7 @@ def test_a_valid_grid_is_not_searched():
     assert gg.certificates(grid, search=True) == ()
 
 
-@pytest.mark.parametrize("thickness", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("thickness", [1e-6, 1e-12])
 def test_a_thin_inclined_band_is_searched(thickness):
     """Rounding makes the moments of its hull singular, on which the direction of a bisection depends, but no proof."""
     s, t = np.meshgrid(np.linspace(0, 1, 20), thickness * np.linspace(-0.5, 0.5, 10), indexing="ij")

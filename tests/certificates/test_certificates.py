@@ -45,6 +45,7 @@ def test_the_classical_domains_have_none(name, nodes):
     assert gg.certificates(gg.domain(name, nodes, nodes)) == ()
 
 
+@settings(max_examples=30)
 @given(valid_grids())
 def test_a_valid_grid_has_none(grid):
     assert gg.quality(grid).valid
@@ -60,6 +61,7 @@ def test_a_valid_grid_of_very_different_sizes_has_none(spacing):
     assert gg.certificates(gg.Grid(xy), search=True, budget=200) == ()
 
 
+@settings(max_examples=50)
 @given(boundary_grids())
 def test_any_boundary_is_answered_with_finite_numbers(grid):
     for found in gg.certificates(grid):
@@ -179,7 +181,7 @@ def test_a_spike():
     bottom[3] = 0.5, 0.75
     bottom[2] = bottom[4] = 0.5, 0.25
     (found,) = gg.certificates(gg.transfinite(bottom, top, left, right))
-    assert (found.kind, found.nodes[1]) == ("spike", (3, 0))
+    assert (found.kind, found.nodes[1], found.numbers) == ("spike", (3, 0), {"angle": 0})
     bottom[4, 0] += 1e-9
     assert kinds(gg.transfinite(bottom, top, left, right)) == []
 
@@ -218,7 +220,7 @@ def test_a_neck_without_a_position_for_its_node():
     assert node[1] == 1
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(st.integers(0, 10**6), st.floats(0.1, 0.6))
 def test_of_3_x_3_nodes_there_is_a_certificate_or_a_valid_grid(seed, noise):
     """Every Jacobian is affine in the one inner node: a linear program says whether a position makes all positive."""
@@ -241,7 +243,7 @@ def test_of_3_x_3_nodes_there_is_a_certificate_or_a_valid_grid(seed, noise):
             assert (jacobians(*answer.x[:2]) > 0).all()
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(st.integers(0, 10**6))
 def test_necks_agree_with_linear_programming(seed):
     from scipy.optimize import linprog
@@ -287,6 +289,7 @@ def test_areas_and_windings_agree_when_run_backwards(points):
     assert winding is None or winding == -(winding_number(points[::-1], at) or 0)
 
 
+@settings(max_examples=40)
 @given(closed_curves(st.integers(5, 24)))
 def test_the_sweep_finds_what_all_pairs_hold(points):
     count = len(points)

@@ -38,7 +38,7 @@ def test_no_feasible_position_is_clipped(seed, size):
     a = moved(a, 2 * size, 0)  # Apart, or else nearly every position is feasible.
     near, others = points_in(random, a, 6), points_in(random, c, 6)
     possible = [q for q in points_in(random, region, 40) if any(turn(q, p, r) > 0 for p in near for r in others)]
-    assert_kept(clip_to_positive(region, a, c), region, possible)
+    assert_kept(clip_to_positive(region, a, c, 0), region, possible)
 
 
 @given(SEEDS, st.floats(0.01, 0.99))
@@ -62,10 +62,10 @@ def test_just_what_exceeds_the_least_area_is_left(seed, part):
 def test_a_position_without_a_positive_jacobian_is_infeasible():
     """To the right of a line, and on it."""
     below, a, c = ((0, 0), (8 << 20, 0), (4 << 20, -9 << 20)), ((-1, 0),), ((-9 << 20, 0),)
-    kept = clip_to_positive(below, a, c)
+    kept = clip_to_positive(below, a, c, 0)
     assert kept is None or all(inside(kept, q) for q in below)
-    assert clip_to_positive(below, c, a) == ()
-    assert clip_to_positive(below, a, a) == ()
+    assert clip_to_positive(below, c, a, 0) == ()
+    assert clip_to_positive(below, a, a, 0) == ()
 
 
 def is_hidden(p, q, obstacle):
@@ -143,6 +143,8 @@ def test_polygons_with_a_common_edge_have_nothing_else_in_common():
     assert intersection(square, moved(square, 2**40, 0)) == ()
     assert intersection(square, moved(square, 2**40, 2**40)) == ()
     assert intersection(square, square) == square
+    unit = ((0, 0), (1, 0), (1, 1), (0, 1))
+    assert intersection(unit, unit) == unit, "however small, it is not empty"
 
 
 @given(SEEDS)
@@ -237,6 +239,19 @@ def test_an_obstacle_hides_what_is_behind_it(point, hidden, seen):
     )
     assert clip_to_visible(behind, p, obstacle) == ()
     assert clip_to_visible(convex_hull(beside), p, obstacle) is None
+
+
+@pytest.mark.parametrize("unit", [1 << 20, 1])
+def test_what_is_on_both_sides_of_a_shadow_is_kept(unit):
+    """The shadow hides two opposite corners of a region; nor is a region clipped that is small beside rounding."""
+    eye, obstacle, region = (
+        tuple((x * unit, y * unit) for x, y in polygon)
+        for polygon in (((0, -100),), ((-1, 0), (1, 0), (1, 1), (-1, 1)), ((0, 2), (9, 11), (0, 20), (-9, 11)))
+    )
+    part = clip_to_visible(region, eye, obstacle)
+    part = region if part is None else part
+    assert all(inside(part, point) for point in (region[1], region[3]))
+    assert doubled_area(part) <= doubled_area(region)
 
 
 def test_a_hull_has_no_corner_between_others():
