@@ -167,6 +167,8 @@ def test_each_part_of_a_region_is_clipped():
     assert all(inside(region.hull, point) for part in region.parts for point in part)
     assert region.box == bounding_box(left + right + middle)
     assert region.area == sum(map(doubled_area, region.parts))
+    two = FeasibleRegion.of((left, right), 0)
+    assert all(inside(two.hull, point) for part in two.parts for point in part)
     parts, _ = Constraint((1, 1), ((0, 0), (0, 1)), (), 1).clip(regions, nothing)
     assert len(parts) == 2
     assert parts[0] == left

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import partial
 
 import numpy as np
@@ -15,7 +16,7 @@ import gridgen_sym as gg
 from gridgen_sym.boundary.polygon import first_crossing, proper_crossings, winding_number
 from gridgen_sym.boundary.predicates import area_sign, orientation
 from gridgen_sym.certificates.certificate import Numbers
-from gridgen_sym.certificates.node_constraints import infeasible_nodes
+from gridgen_sym.certificates.node_constraints import _contradict, infeasible_nodes
 from gridgen_sym.certificates.proofs import _cells_text
 from gridgen_sym.grids import corner_jacobians
 from gridgen_sym.grids.grid import boundary_indices
@@ -241,6 +242,36 @@ def test_of_3_x_3_nodes_there_is_a_certificate_or_a_valid_grid(seed, noise):
         assert bool(gg.certificates(gg.Grid(xy))) == (answer.fun > 0)
         if answer.fun < 0:
             assert (jacobians(*answer.x[:2]) > 0).all()
+
+
+@pytest.mark.parametrize("shape", [(3, 3), (3, 7), (7, 3), (5, 6)])
+def test_many_parallel_half_planes_are_no_contradiction(shape):
+    """All boundary edges of a rectangle are parallel in pairs; its inner nodes are folded, so that a proof is tried."""
+    i, j = np.meshgrid(*map(np.arange, shape), indexing="ij")
+    xy = np.stack((i, 2 * j), axis=-1).astype(float)
+    xy[1:-1, 1:-1] = xy[0, 0]
+    assert gg.certificates(gg.Grid(xy)) == ()
+
+
+@pytest.mark.parametrize(
+    ("planes", "expected"),
+    [
+        ([(1, 0, 0), (2, 0, 1), (3, 0, 5)], False),  # x > 0, x > 1/2, x > 5/3.
+        ([(1, 0, 0), (-1, 0, -1)], False),  # 0 < x < 1.
+        ([(1, 0, 0), (-1, 0, 0)], True),  # 0 < x < 0.
+        ([(1, 0, 1), (-2, 0, -1)], True),  # 1 < x < 1/2.
+        ([(1, 0, 0), (0, 1, 0)], False),
+        ([(1, 0, 0), (0, 1, 0), (-1, -1, -1)], False),  # A triangle.
+        ([(1, 0, 0), (0, 1, 0), (-1, -1, 0)], True),  # A point.
+        ([(-1, -1, 1), (0, 1, 0), (1, 0, 0)], True),
+        ([(0, 0, 0)], True),
+        ([(1, 0, 0)], False),
+    ],
+)
+def test_half_planes_contradict_if_they_have_no_common_point(planes, expected):
+    exact = [tuple(map(Fraction, plane)) for plane in planes]
+    assert _contradict(exact) is expected
+    assert _contradict(exact[::-1]) is expected
 
 
 @settings(max_examples=25)

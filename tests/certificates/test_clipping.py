@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -10,7 +12,17 @@ from support_boundaries import SEEDS, star_polygon
 from support_polygons import inside, moved, points_in, random_polygon
 
 from gridgen_sym.certificates import convex_decomposition
-from gridgen_sym.certificates.clipping import _contains, bisect, clip_to_positive, clip_to_visible, intersection
+from gridgen_sym.certificates.clipping import (
+    _contains,
+    _last_positive,
+    _last_visible,
+    _shadow,
+    _visible,
+    bisect,
+    clip_to_positive,
+    clip_to_visible,
+    intersection,
+)
 from gridgen_sym.certificates.convex_decomposition import decompose_inside, decompose_outside
 from gridgen_sym.certificates.integer_polygons import (
     IntegerCoordinates,
@@ -59,6 +71,47 @@ def test_just_what_exceeds_the_least_area_is_left(seed, part):
     assert clip_to_positive(region, a, c, heights[-1]) == ()
 
 
+def along(u, v, part):
+    return tuple(p + part * (q - p) for p, q in zip(u, v, strict=True))
+
+
+def tiny_points(random, count):
+    """Points of a few units, of which many are on one line."""
+    return [(int(x), int(y)) for x, y in random.integers(-3, 4, (count, 2))]
+
+
+def test_an_edge_is_clipped_just_where_its_last_point_is_feasible():
+    """Exact, of polygons of a few units: one unit too much would be a wrong proof."""
+    random, tested = np.random.default_rng(0), 0
+    while tested < 300:
+        (u, v), a, c = (tiny_points(random, count) for count in (2, random.integers(1, 4), random.integers(1, 4)))
+        least = int(random.integers(-1, 3))
+
+        def height(q, a=a, c=c, least=least):
+            return max(turn(q, p, r) for p in a for r in c) - least
+
+        if height(u) > 0 >= height(v):
+            tested += 1
+            part = Fraction(*_last_positive(u, v, a, c, least))
+            assert 0 < part <= 1
+            assert height(along(u, v, part)) <= 0 < height(along(u, v, part * (1 - Fraction(1, 10**6))))
+
+
+def test_an_edge_is_clipped_just_where_its_last_point_is_visible():
+    random, tested = np.random.default_rng(0), 0
+    while tested < 300:
+        (u, v, p), obstacle = tiny_points(random, 3), convex_hull(tiny_points(random, random.integers(3, 7)))
+        if len(obstacle) > 2 and is_hidden(p, v, obstacle) and not is_hidden(p, u, obstacle):
+            tested += 1
+            lines = list(_shadow(p, obstacle))
+            assert _visible(u, lines)
+            assert not _visible(v, lines)
+            part = Fraction(*_last_visible(u, v, lines))
+            assert 0 <= part < 1
+            assert not is_hidden(p, along(u, v, part), obstacle)
+            assert is_hidden(p, along(u, v, part + (1 - part) / 1000), obstacle)
+
+
 def test_a_position_without_a_positive_jacobian_is_infeasible():
     """To the right of a line, and on it."""
     below, a, c = ((0, 0), (8 << 20, 0), (4 << 20, -9 << 20)), ((-1, 0),), ((-9 << 20, 0),)
@@ -70,15 +123,15 @@ def test_a_position_without_a_positive_jacobian_is_infeasible():
 
 def is_hidden(p, q, obstacle):
     """Whether the segment from p to q leads through the inside of a convex polygon: it is clipped, edge after edge."""
-    low, high = 0.0, 1.0
+    low, high = Fraction(0), Fraction(1)
     for s, t in zip(obstacle, obstacle[1:] + obstacle[:1], strict=True):
         at_p, at_q = turn(s, t, p), turn(s, t, q)
         if at_p <= 0 and at_q <= 0:
             return False
         if at_p < 0 or at_q < 0:
-            meets = at_p / (at_p - at_q)
+            meets = Fraction(at_p) / (at_p - at_q)
             low, high = (max(low, meets), high) if at_p < 0 else (low, min(high, meets))
-    return high - low > 1e-9
+    return high > low
 
 
 @given(SEEDS, st.sampled_from(["apart", "a corner of it", "anywhere"]))
@@ -281,3 +334,12 @@ def test_a_polygon_without_area_holds_nothing():
     assert not any(_contains(polygon, (3, 0, 1)) for polygon in ((), ((3, 0),), ((0, 0), (2, 0)), ((0, 0), (9, 0))))
     assert _contains(((0, 0), (4, 0), (0, 4)), (7, 0, 2))
     assert not _contains(((0, 0), (4, 0), (0, 4)), (9, 0, 2))
+
+
+def test_whether_a_polygon_contains_a_point_is_exact():
+    random = np.random.default_rng(0)
+    for _ in range(300):
+        polygon = convex_hull(tiny_points(random, random.integers(3, 7)))
+        if len(polygon) > 2:
+            x, y, d = (int(value) for value in (*random.integers(-12, 13, 2), random.integers(1, 5)))
+            assert _contains(polygon, (x, y, d)) == inside(polygon, (Fraction(x, d), Fraction(y, d)))
