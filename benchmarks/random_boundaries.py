@@ -30,11 +30,7 @@ _OUTCOMES = ("quick proof", "searched proof", "valid", "longer search", "sliver"
 
 
 def outcome(start: gg.Grid, budget: int | None) -> str:
-<<<<<<< HEAD
     """Return the outcome of one boundary; what is not proved is searched again with a larger budget, if given."""
-=======
-    """Return what becomes of one boundary; what is not proved is searched with a budget, if one is given."""
->>>>>>> 3bb1a6c (Certificates: documents and benchmark say budget; the tests of the stages stop by a reason)
     if gg.certificates(start):
         return "quick proof"
     result = gg.untangle(start, progress=False)
@@ -52,11 +48,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=300, help="boundaries of each kind")
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
-<<<<<<< HEAD
     parser.add_argument("--budget", type=int, help="budget of a longer search for a proof where there is none yet")
-=======
-    parser.add_argument("--budget", type=int, help="of a longer search for a proof where there is none yet")
->>>>>>> 3bb1a6c (Certificates: documents and benchmark say budget; the tests of the stages stop by a reason)
     parser.add_argument("--kind", action="append", choices=KINDS, help="of this kind only")
     options = parser.parse_args()
     table = Table(
