@@ -341,8 +341,11 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 #define EULER_LAGRANGE 1
 /* Whether values move with the nodes. */
 #define MOVING 1
-/* How the values are passed on: VALUE(plane, name, at) for each. */
+/* How many planes of values there are, and how they are passed on: VALUE(plane, name, at) for each. */
+#define PLANES 6
 #define VALUES(VALUE, at) VALUE(0, s, at), VALUE(1, s_x, at), VALUE(2, s_y, at), VALUE(3, s_xx, at), VALUE(4, s_xy, at), VALUE(5, s_yy, at),
+/* Those that the energy itself reads, as bits. */
+#define OF_ENERGY 1u
 /* The slopes along xi and eta of those that enter the equations with these: SLOPE(plane, at) for each. */
 #define SLOPES(SLOPE, at)
 

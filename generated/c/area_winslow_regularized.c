@@ -245,8 +245,11 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 #define EULER_LAGRANGE 0
 /* Whether values move with the nodes. */
 #define MOVING 0
-/* How the values are passed on: VALUE(plane, name, at) for each. */
+/* How many planes of values there are, and how they are passed on: VALUE(plane, name, at) for each. */
+#define PLANES 0
 #define VALUES(VALUE, at)
+/* Those that the energy itself reads, as bits. */
+#define OF_ENERGY 0u
 /* The slopes along xi and eta of those that enter the equations with these: SLOPE(plane, at) for each. */
 #define SLOPES(SLOPE, at)
 
