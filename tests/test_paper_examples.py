@@ -55,6 +55,7 @@ def test_pictures_are_written_and_are_png(examples, folder):
         assert len(data) > 20_000
 
 
+@pytest.mark.slow
 def test_every_section_is_there_in_order(examples):
     assert list(examples) == ["3.1", "3.2", "3.3", "3.4", "3.5"]
 

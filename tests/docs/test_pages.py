@@ -55,6 +55,7 @@ def test_a_changed_equation_changes_the_page_and_the_committed_text(monkeypatch)
     assert render_document(functional("winslow")).text != committed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", functionals())
 def test_a_page_has_every_part(name):
     parts = list(_parts(functional(name)))
@@ -129,6 +130,7 @@ def test_the_pages_quote_the_checks_as_they_come():
                 assert 0.03 < float(one) / float(two) < 30
 
 
+@pytest.mark.slow
 def test_what_the_home_page_and_the_readme_claim():
     table = (ROOT / "docs" / "validity.md").read_text(encoding="utf-8").split("## Summary")[1].split("## ")[0]
     rows = [
