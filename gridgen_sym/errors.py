@@ -7,7 +7,7 @@ _LONGEST = 6000
 
 
 class GridgenError(ValueError):
-    """Input that gridgen_sym cannot use; the message says what is wrong with it and how to mend it."""
+    """Input that gridgen_sym cannot use; the message says what is wrong with it and how to repair it."""
 
     def __init__(self, message: str) -> None:
         """Keep a message that can be read: `quoted` shortens what a user gave, and this all else."""

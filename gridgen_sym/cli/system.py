@@ -46,7 +46,7 @@ def info() -> None:
 
 
 def _found(search: Callable[[], _Found]) -> _Found | GridgenError:
-    """Return what a search finds, or why it cannot be used: that is what one wants to know here."""
+    """Return what a search finds, or why it cannot be used."""
     try:
         return search()
     except GridgenError as error:

@@ -1,4 +1,4 @@
-"""What stands on the command line: numbers, read as those of files are, and sizes such as 40x40."""
+"""Types of the command line: numbers, read as in files, and sizes such as 40x40."""
 
 from __future__ import annotations
 

@@ -20,11 +20,11 @@ def consequences(found: Classification) -> Iterator[str]:
     if found.linear:
         yield "Its equations are linear: one Newton step solves them."
     if found.scaling_degree == 0:
-        yield "It does not see the size of a cell, only its shape: a domain in meters or in miles gives the same grid."
+        yield "It depends on the shape of a cell only, not on its size: the unit of length does not matter."
     if not found.rotation:
-        yield "It is not invariant under rotation: a turned domain does not give the turned grid."
+        yield "It is not invariant under rotation: a rotated domain does not give the rotated grid."
     if not found.exchange:
-        yield "The two families of grid lines are not alike: turn the grid, and it asks for something else."
+        yield "It treats the two families of grid lines differently: exchanging xi and eta changes the result."
     if not found.polyconvex.holds:
         yield (
             "It is not polyconvex: where its Hessian is not positive, Newton's method shifts it just enough, and there "

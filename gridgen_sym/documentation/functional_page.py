@@ -80,14 +80,14 @@ def write_functional_page(functional: Functional, folder: Path) -> Path:
 
 
 def write_if_changed(path: Path, text: str) -> Path:
-    """Write a page unless it is what stands there: Sphinx reads again what has a new date."""
+    """Write a page unless it is unchanged: Sphinx reads again what has a new date."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         write_bytes(path, text.encode())
     return path
 
 
 def _facts(found: Classification) -> Iterator[tuple[str, str]]:
-    """Yield what a reader wants to know first."""
+    """Yield the main facts."""
     linear, coupled, kind = found.words()
     yield "Equations", f"{linear}, {coupled}, {kind} where $J > 0$ ({found.ellipticity.how_known})"
     yield "Barrier at $J = 0$", "yes" if found.barrier else "no"

@@ -13,7 +13,7 @@ from ..plotting import plot_grids
 from ..solvers import Result, optimize
 from ..symbolic import has_barrier
 
-#: Domains whose pictures say most, best first; any others follow.
+#: Domains with the most instructive pictures, best first; any others follow.
 _TELLING = ("swan", "horseshoe", "wavy", "chevron", "quarter_annulus", "indented_square", "zee", "annulus", "naca")
 _NODES = 25
 _STEPS = 60
@@ -42,7 +42,7 @@ class Trial:
 
 
 def trials(functional: Functional) -> tuple[Trial, ...]:
-    """Solve a functional on every classical domain, the most telling ones first."""
+    """Solve a functional on every classical domain, the most instructive ones first."""
     names = sorted(domain_names(), key=lambda name: (*_TELLING, name).index(name))
     return tuple(_trial(functional, name) for name in names)
 

@@ -36,8 +36,8 @@ def plot_grid(
     """Draw a grid: its lines, its boundary a little thicker, its folded cells red and counted.
 
     Args:
-        grid: the grid; of more than 260 lines along an axis every n-th is drawn, and the title says so.
-        path: where to write the picture (``.png``, ``.pdf`` or ``.svg``), whole or not at all; None to write
+        grid: the grid; with more than 260 lines along an axis only every n-th is drawn, and the title says so.
+        path: where to write the picture (``.png``, ``.pdf`` or ``.svg``), completely or not at all; None to write
             nothing.
         title: the text above the picture.
         ax: axes to draw on; None to make a figure for it.
@@ -53,7 +53,7 @@ def plot_grid(
     if ax is None:
         ax = _figure(grid).add_subplot()
     draw_grid(ax, grid, title)
-    figure = ax.figure.figure  # The axes may stand in a subfigure: take the whole.
+    figure = ax.figure.figure  # The axes may be in a subfigure: take the whole figure.
     if path is not None:
         save(figure, path)
     return figure
@@ -67,7 +67,7 @@ def plot_grids(
     Args:
         grids: pairs of a title and a grid, at least one.
         path: where to write the picture; None to write nothing.
-        columns: how many panels stand in a row.
+        columns: how many panels are in a row.
 
     Raises:
         GridgenError: if there are no grids or no columns, and as for `plot_grid`.
@@ -99,7 +99,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def _figure(grid: Grid) -> Figure:
-    """Return an empty figure about as wide and high as the grid asks for."""
+    """Return an empty figure with about the proportions of the grid."""
     width, height = np.ptp(grid.planes / 2, axis=(1, 2)).tolist()
     largest = max(width, height) or 1.0
     return new_figure(*(1.0 + 6.0 * float(np.clip(side / largest, 0.3, 1.0)) for side in (width, height)))
@@ -133,7 +133,7 @@ def draw_grid(ax: Axes, grid: Grid, title: str | None, ink: float = 1.0) -> None
 
 
 def _lines(grid: Grid, step: int) -> list[Array]:
-    """Return every `step`-th grid line of either family; the boundary is drawn apart."""
+    """Return every `step`-th grid line of either family; the boundary is drawn separately."""
     xy = grid.xy
     return [*xy[::step], *(xy[:, j] for j in range(0, xy.shape[1], step))]
 
@@ -174,7 +174,7 @@ def _mark_folds(ax: Axes, grid: Grid) -> None:
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write the picture, whole or not at all."""
+    """Write the picture, completely or not at all."""
     suffix = Path(path).suffix.lower().removeprefix(".")
     known = figure.canvas.get_supported_filetypes()
     if suffix not in known:

@@ -89,7 +89,7 @@ class Problem:
         )
 
     def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:
-        """Count the folds of coordinates; with `mendable`, only those that moving the free nodes may mend."""
+        """Count the folds of coordinates; with `mendable`, only those that moving the free nodes may repair."""
         return Folds.of(coordinates, self.fixed if mendable else None, self.kernels.smallest_jacobians(coordinates))
 
     def gradient_scale(self, coordinates: Array, energy: float) -> float:

@@ -22,7 +22,7 @@ def test_a_users_functional_gets_its_page(tmp_path):
     told = CliRunner().invoke(main, arguments, catch_exceptions=False)
     assert told.exit_code == 0, told.output
     page = (tmp_path / "out" / "mine.html").read_text(encoding="utf-8")
-    assert "two families of grid lines are not alike" in page
+    assert "treats the two families of grid lines differently" in page
     assert r"2 ( x_{\xi \xi} + 2 x_{\eta \eta} ) = 0" in page
     assert "<details" in page
     assert (tmp_path / "out" / "_static" / "mathjax" / "startup.js").exists()
