@@ -39,6 +39,7 @@ def derived():
     return [json.loads(text) for text in told]
 
 
+@pytest.mark.slow
 def test_all_of_generated_is_the_committed_bytes(derived, monkeypatch):
     sources = [Source(path, text) for path, text in derived[0]]
     monkeypatch.setattr(generate, "all_sources", lambda: sources)
@@ -64,6 +65,7 @@ def test_generated_files_stay_small():
     assert {path: count for path, count in lines.items() if path not in SHARED and count > MOST_OF_A_KERNEL} == {}
 
 
+@pytest.mark.slow
 def test_no_source_depends_on_the_hash_seed(derived):
     one, other = map(dict, derived)
     assert len(one) >= 36

@@ -83,6 +83,7 @@ def test_there_are_tutorials():
     assert len(TUTORIALS) >= 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tutorial", TUTORIALS, ids=lambda path: path.stem)
 def test_a_tutorial_can_be_followed(tutorial, tmp_path):
     pytest.importorskip("matplotlib")
