@@ -3,9 +3,9 @@
 
 The area functional with a weight s makes cells small where the weight is large.
 
-A frozen weight makes s·J constant; one that is differentiated through, sqrt(s)·J. Areas alone do not say how the lines
-run: many grids have these areas, and the one that is found swirls. A little of winslow chooses the smooth one among
-them; J is the area of a cell, 1/1600 here, so that its share k must be small beside s·J². Writes `adapted.png`.
+A frozen weight makes s·J constant; a differentiated one, sqrt(s)·J. Areas alone do not determine the grid lines: many
+grids have these areas, and the computed one swirls. A little of winslow selects a smooth grid. J is the area of a cell,
+1/1600 here, so its factor k must be small compared with s·J². Writes `adapted.png`.
 """
 
 import numpy as np
@@ -36,7 +36,7 @@ for mode, result in results.items():
     assert result.quality.valid
     assert spread(grid, power) < 0.01 < 0.25 < spread(start, power)
 
-# The square and the weight are symmetric: so is the grid whose lines are asked for, too.
+# The square and the weight are symmetric: so is the smooth grid.
 swirl = {mode: float(np.abs(result.grid.x + result.grid.x[::-1] - 1).max()) for mode, result in results.items()}
 print("from symmetry: " + ", ".join(f"{mode} {distance:.1e}" for mode, distance in swirl.items()))
 assert swirl["frozen"] > 0.05

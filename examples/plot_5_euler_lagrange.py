@@ -3,7 +3,7 @@
 
 The classical Winslow solver, and Newton's method on the same equations.
 
-Relaxation holds the coefficients of the second derivatives while each node solves its own equations; Newton's method
+Relaxation freezes the coefficients of the second derivatives while each node solves its own equations; Newton's method
 uses the derived Jacobian. Both find the same grid.
 """
 

@@ -1,8 +1,8 @@
 """Real outlines
 =============
 
-Coast lines, borders and an airfoil, from CSV files that mark their four corners: what a boundary looks like when nobody
-made it for a grid generator.
+Coast lines, borders and an airfoil, from CSV files that mark their four corners: boundaries that were not made for a
+grid generator.
 """
 
 from pathlib import Path

@@ -2,8 +2,8 @@
 ========================
 
 Two ways to the minimum of the discrete energy, and two ways to the solution of its Euler-Lagrange equations. All four
-start from the same grid. The first two find the same minimum, the other two the same solution; how far the one is from
-the other is the discretization error, which falls with the square of the mesh width.
+start from the same grid. The first two find the same minimum, the other two the same solution. The distance
+between the two is the discretization error, which falls with the square of the mesh width.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 ==========
 
 The length functional pulls grid lines over the headlands of a border and folds cells. A functional with a barrier
-repairs that grid: the barrier is regularized, so that folded cells have a finite energy, and then sharpened until no
-folded cell is left.
+repairs that grid: the barrier is regularized, so that folded cells have a finite energy, and the regularization tends
+to zero until no folded cell is left.
 """
 
 from pathlib import Path

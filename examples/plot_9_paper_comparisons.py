@@ -1,7 +1,7 @@
 """The paper's comparisons
 =======================
 
-Sections 4.3 to 4.5 of the paper: functionals side by side on one domain. The Liao functional folds the indented square,
+Sections 3.3 to 3.5 of the paper: functionals side by side on one domain. The Liao functional folds the indented square,
 the modified one does not; length folds the horseshoe, area-orthogonality (Knupp) does not. The paper does not give its
 domains, so classical ones stand in; `gridgen-sym paper` runs all of them by the paper's own method, with a table.
 """

@@ -3,16 +3,16 @@
 
 How well does a grid represent a function, bilinearly between its nodes? The L2 error is compared at equal numbers of
 nodes: on the uniform grid, on the smooth grid of Winslow's functional (on the square it is the uniform one), and on the
-grid that is adapted to the function. Where the uniform grid sees the feature at all, a third of its error or less is
-left. The paper's surface is kinked rather than sharp: there is less to gain, and it has even numbers of nodes, so that
-no grid has its kinks on grid lines by luck.
+grid that is adapted to the function. Where the uniform grid resolves the feature at all, a third of its error or less
+is left. The paper's surface is kinked rather than sharp: there is less to gain, and it has even numbers of nodes, so
+that no grid has its kinks on grid lines by chance.
 """
 
 from matplotlib.figure import Figure
 
 import gridgen_sym as gg
 
-#: Name: formula, domain, numbers of nodes along a side, and the most of the error that may be left from 33 x 33 on.
+#: Name: formula, domain, numbers of nodes along a side, and the largest fraction of the error left from 33 x 33 on.
 CASES = {
     "tanh front": ("tanh(50*(x + y - 1))", "square", (17, 33, 65, 129), 1 / 3),
     "circular shock": ("tanh(50*(sqrt(x**2 + y**2) - 0.5))", "square", (17, 33, 65), 1 / 3),

@@ -6,7 +6,7 @@ grid, `gg.adapt` makes a density of nodes of the solution alone, and moves the n
 again. Poisson's equation has a circular shock or a ring for its solution, advection and diffusion have boundary layers
 of width 1/50 at two sides. The density is that of the curvature, or that of the estimate of Zienkiewicz and Zhu. The L2
 errors are those of bilinear elements against the exact solutions, at equal numbers of nodes. The smooth grid is that of
-Winslow's functional, on the square the uniform one; 17 x 17 nodes are too few to see the whole ring.
+Winslow's functional, on the square the uniform one; 17 x 17 nodes are too few to resolve the ring.
 """
 
 import numpy as np

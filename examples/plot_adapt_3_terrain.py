@@ -1,12 +1,12 @@
 """Adapting to real terrain
 ========================
 
-Two rasters of elevations that come with Matplotlib: the sea floor round Vancouver Island, land taken as zero, and the
+Two rasters of elevations that come with Matplotlib: the sea floor around Vancouver Island, land taken as zero, and the
 Jacksboro fault in Tennessee (US Geological Survey, public domain). A grid represents a raster bilinearly between its
 nodes; the error, a root mean square in meters, is measured against every point of the raster. On a rectangle the smooth
 grid is the uniform one. At sea, nodes go to the coast, the canyons and the continental slope: for the error of 65 x 65
 nodes about 90 x 90 uniform ones are needed, twice as many. The land at Jacksboro is as rough on one side of the fault
-as on the other: there, no density of nodes gains much, and the numbers say so.
+as on the other: there, no density of nodes gains much, as the numbers show.
 """
 
 import numpy as np
@@ -43,7 +43,7 @@ print("raster          nodes   uniform  adapted  ratio  folded")
 for k, (name, read) in enumerate({"sea floor": sea_floor, "Jacksboro fault": fault}.items()):
     x, y, height = read()
     raster = gg.raster_field(x, y, height)
-    # Second derivatives are wanted: a spline of the raster, without the noise from one point to the next.
+    # Second derivatives are needed: a spline of the raster, without the noise from one point to the next.
     smooth = gg.raster_field(x, y, gaussian_filter(height, 1), smooth=True)
     for nodes in (17, 33, 65):
         square = gg.domain("square", nodes, nodes)

@@ -3,9 +3,9 @@
 
 Burgers' equation u_t + u u_x + u u_y = nu Laplacian u, with an exact solution: a front that runs from one corner of the
 square toward the other. Fifty steps in time, by Crank and Nicolson's rule and bilinear elements of scikit-fem. In each
-step the grid of the last one is where the adaptation starts, the values are carried to every grid that is tried, and
-the step in time is solved there. No cell folds, and the error is about a third of that on the uniform grid with as many
-nodes; what is left of it grows with the number of times that the values are carried.
+step the adaptation starts from the last grid, the values are interpolated to every new grid, and the step in time is
+solved there. No cell folds, and the error is about a third of that on the uniform grid with as many nodes; the rest
+grows with the number of interpolations.
 """
 
 import numpy as np
