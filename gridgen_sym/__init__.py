@@ -18,22 +18,16 @@ Example:
 
 from __future__ import annotations
 
+import sys
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from . import startup  # noqa: F401 - before anything heavy: it listens to Ctrl-C
 
 # isort: split
 
-# Two functions have the names of their packages: loaded first, they stand here and not the packages.
-from .certificates import Certificate as Certificate
-from .certificates import certificates as certificates
-from .certificates import sliver_certificate as sliver_certificate
 from .errors import GridgenError as GridgenError
 from .errors import MissingExtraError as MissingExtraError
-from .functionals import Functional as Functional
-from .functionals import define as define
-from .functionals import functional as functional
-from .functionals import functionals as functionals
 from .io import read as read
 from .io import write as write
 from .version import __version__ as __version__
@@ -57,12 +51,19 @@ if TYPE_CHECKING:
     from .boundary import Outline as Outline
     from .boundary import domain as domain
     from .boundary import domain_names as domain_names
+    from .certificates import Certificate as Certificate
+    from .certificates import certificates as certificates
+    from .certificates import sliver_certificate as sliver_certificate
     from .codegen.backend import Backend as Backend
     from .codegen.backend import register_backend as register_backend
     from .fields import SampledField as SampledField
     from .fields import Weight as Weight
     from .fields import raster_field as raster_field
     from .fields import scattered_field as scattered_field
+    from .functionals import Functional as Functional
+    from .functionals import define as define
+    from .functionals import functional as functional
+    from .functionals import functionals as functionals
     from .grids import Grid as Grid
     from .grids import Quality as Quality
     from .grids import corner_jacobians as corner_jacobians
@@ -89,20 +90,18 @@ _PACKAGES = {
         "interpolation_error recover_gradient recover_hessian recovery_error richardson_error transfer"
     ),
     "boundary": "CornerChoice Outline domain domain_names",
+    "certificates": "Certificate certificates sliver_certificate",
     "codegen.backend": "Backend register_backend",
     "fields": "SampledField Weight raster_field scattered_field",
+    "functionals": "Functional define functional functionals",
     "grids": "Grid Quality corner_jacobians quality transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",
     "solvers": "Result Status Step StopReason energy gradient hessian optimize solve_euler_lagrange untangle",
 }
 _HOMES = {name: package for package, names in _PACKAGES.items() for name in names.split()}
 
-_LOADED = (
-    "Certificate Functional GridgenError MissingExtraError certificates define functional functionals read "
-    "sliver_certificate write"
-)
 
-__all__ = ["__version__", *_LOADED.split(), *_HOMES]
+__all__ = ["GridgenError", "MissingExtraError", "__version__", "read", "write", *_HOMES]
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401
@@ -111,10 +110,24 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    value = globals()[name] = getattr(import_module(f".{_HOMES[name]}", __name__), name)
-    return value
+    return getattr(import_module(f".{_HOMES[name]}", __name__), name)
 
 
 def __dir__() -> list[str]:
     """Return all public names, loaded or not."""
     return sorted({*globals(), *__all__})
+
+
+def _function(name: str) -> property:
+    """Return the attribute for a function that has the name of its package: that package does not take its place."""
+    return property(lambda _: __getattr__(name), lambda _, package: None)
+
+
+class _Face(ModuleType):
+    """This package as an object."""
+
+    certificates = _function("certificates")
+    functionals = _function("functionals")
+
+
+sys.modules[__name__].__class__ = _Face
