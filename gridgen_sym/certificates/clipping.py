@@ -18,7 +18,7 @@ Line = tuple[int, int, int]
 _SMALLEST = 1 << 12
 
 
-def clip_to_positive(region: Polygon, a: Polygon, c: Polygon, least: int = 0) -> Polygon | None:
+def clip_to_positive(region: Polygon, a: Polygon, c: Polygon, least: int) -> Polygon | None:
     """Return a polygon that contains all q in `region` with turn(q, p, r) > `least` for some p in `a` and r in `c`.
 
     turn(q, p, r) is affine in each of the three points. So it exceeds `least` for some p in `a` and r in `c` exactly

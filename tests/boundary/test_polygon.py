@@ -10,8 +10,17 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from gridgen_sym.boundary.polygon import first_crossing, first_repeated, proper_crossings, turns, winding_number
-from gridgen_sym.boundary.predicates import area_sign, orientation
+from gridgen_sym.boundary import predicates
+from gridgen_sym.boundary.polygon import (
+    first_crossing,
+    first_repeated,
+    inner_angles,
+    is_clockwise,
+    proper_crossings,
+    turns,
+    winding_number,
+)
+from gridgen_sym.boundary.predicates import area_sign, orientation, scaled
 
 #: So few that most triples are on one line, and many points on an edge.
 FEW = st.integers(-2, 2).map(float)
@@ -62,6 +71,22 @@ def test_orientations_are_exact(triples):
     assert found.tolist() == [sign(cross(*exact(triple))) for triple in triples]
 
 
+@pytest.mark.parametrize("size", [5e-324, 1e-308, 3e-200, 0.75, 1.0, 3e200, 1.7e308])
+def test_what_is_scaled_is_of_size_1_and_keeps_its_digits(size):
+    numbers = size * np.array([[1.0, 0.3], [-0.7, 0.0]])
+    found = scaled(numbers)
+    assert 0.5 <= np.abs(found).max() < 1
+    assert (np.frexp(found)[0] == np.frexp(numbers)[0]).all()
+    assert orientation(numbers[0], numbers[1], numbers[1][::-1] - numbers[0]) == orientation(
+        found[0], found[1], found[1][::-1] - found[0]
+    )
+
+
+def test_the_error_bound_is_that_of_the_literature():
+    unit = 2.0**-53
+    assert (3 + 16 * unit) * unit <= predicates._RELATIVE
+
+
 @given(POINTS)
 def test_the_sign_of_the_area_is_exact(points):
     doubled = sum(p[0] * q[1] - p[1] * q[0] for p, q in edges_of(exact(points)))
@@ -77,6 +102,11 @@ def test_windings_are_exact(points, data):
     on = any(on_edge(p, q, center) for p, q in edges_of(corners))
     expected = None if on else revolutions([(x - center[0], y - center[1]) for x, y in corners])
     assert winding_number(np.array(points), np.array(at)) == expected
+
+
+@given(POINTS)
+def test_a_polygon_is_clockwise_if_its_area_is_negative(points):
+    assert is_clockwise(np.array(points)) == (area_sign(np.array(points)) < 0)
 
 
 def meet(one, other):
@@ -99,7 +129,9 @@ def test_where_a_polygon_meets_itself_is_exact(points):
     assert first_repeated(array) == (repeated[0] if repeated else None)
     assume(not repeated)
     back = [runs_back(corners[k - 1], corners[k], corners[(k + 1) % count]) for k in range(count)]
-    assert turns(array)[1].tolist() == back
+    turn, found = turns(array)
+    assert found.tolist() == back
+    assert (turn[found] == np.pi).all()
     wrong = []
     for a, b in combinations(range(count), 2):
         if b - a == 1 or (a, b) == (0, count - 1):
@@ -134,7 +166,23 @@ def test_turns_add_up_to_whole_revolutions(points):
 @pytest.mark.parametrize(("x", "winding"), [(-1.0, 0), (0.0, None), (1.0, None), (2.0, None), (3.0, 0)])
 @pytest.mark.parametrize("level", [0.0, 2.0])
 def test_a_point_on_a_level_edge_is_on_the_polygon(level, x, winding):
-    """On its ends, between them, and beside them, where the line of the edge goes on."""
+    """On its ends, between them, and beside them, where the line of the edge goes on; so of an upright edge."""
     square = np.array([(0, 0), (2, 0), (2, 2), (0, 2)], dtype=float)
     for ring in (square, square[::-1]):
         assert winding_number(ring, np.array([x, level])) == winding
+        assert winding_number(ring, np.array([level, x])) == winding
+
+
+def test_differences_that_overflow_are_halved():
+    square = 1.7e308 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    assert turns(square)[0] == pytest.approx(np.pi / 2)
+    assert inner_angles(np.roll(square, 1, axis=0), square, np.roll(square, -1, axis=0)) == pytest.approx(90)
+
+
+def test_edges_on_one_line_meet_only_where_they_overlap():
+    bracket = np.array([(0, 0), (4, 0), (4, 5), (0, 5), (0, 3), (2, 3), (2, 2), (0, 2)], dtype=float)
+    for ring in (bracket, bracket[::-1], bracket[:, ::-1]):
+        assert first_crossing(ring) is None
+    bracket[4, 1] = 2  # Both prongs end at one point.
+    for ring in (bracket, bracket[::-1], bracket[:, ::-1], bracket * [1, -1], bracket[:, ::-1] * [-1, 1]):
+        assert first_crossing(ring) is not None

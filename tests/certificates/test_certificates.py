@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +15,8 @@ from support_boundaries import boundary_grids, closed_curves, grid_of_ring, vali
 import gridgen_sym as gg
 from gridgen_sym.boundary.polygon import first_crossing, proper_crossings, winding_number
 from gridgen_sym.boundary.predicates import area_sign, orientation
-from gridgen_sym.certificates.node_constraints import infeasible_nodes
+from gridgen_sym.certificates.certificate import Numbers
+from gridgen_sym.certificates.node_constraints import _contradict, infeasible_nodes
 from gridgen_sym.certificates.proofs import _cells_text
 from gridgen_sym.grids import corner_jacobians
 from gridgen_sym.grids.grid import boundary_indices
@@ -42,12 +46,23 @@ def test_the_classical_domains_have_none(name, nodes):
     assert gg.certificates(gg.domain(name, nodes, nodes)) == ()
 
 
+@settings(max_examples=30)
 @given(valid_grids())
 def test_a_valid_grid_has_none(grid):
     assert gg.quality(grid).valid
     assert gg.certificates(grid) == ()
 
 
+@pytest.mark.parametrize("spacing", [[0, 1e-200, 1, 1e200], [-1.7e308, 0, 5e-324, 1e-300, 1.7e308]], ids=["far", "all"])
+def test_a_valid_grid_of_very_different_sizes_has_none(spacing):
+    """Products of its lengths overflow, and vanish."""
+    xy = np.stack(np.meshgrid(spacing, spacing, indexing="ij"), axis=-1)
+    assert gg.certificates(gg.Grid(xy)) == ()
+    xy[1:-1, 1:-1] = xy[1, 0]
+    assert gg.certificates(gg.Grid(xy), search=True, budget=200) == ()
+
+
+@settings(max_examples=50)
 @given(boundary_grids())
 def test_any_boundary_is_answered_with_finite_numbers(grid):
     for found in gg.certificates(grid):
@@ -78,6 +93,27 @@ def test_a_nearly_straight_corner_is_decided_exactly(offset, part, shift):
     straight = orientation(left[1], bottom[0], bottom[1])[0] > 0
     found = [c for c in gg.certificates(gg.transfinite(bottom, top, left, right)) if c.kind == "corner"]
     assert bool(found) is not bool(straight)
+
+
+@pytest.mark.parametrize("prove", [partial(gg.certificates, search=True), gg.sliver_certificate])
+def test_the_old_name_of_a_budget_works_with_a_warning(prove):
+    grid = gg.domain("square", 5, 5)
+    with pytest.warns(DeprecationWarning, match="`work` is called `budget` now"):
+        assert not prove(grid, work=7)
+    with (
+        pytest.warns(DeprecationWarning, match="budget"),
+        pytest.raises(gg.GridgenError, match=r"^work must .* came 0$"),
+    ):
+        prove(grid, work=0)
+
+
+def test_the_old_name_of_a_fraction_works_with_a_warning():
+    numbers = Numbers(cells=2, jacobian_fraction=0.1)
+    with pytest.warns(DeprecationWarning, match="'share' is called 'jacobian_fraction' now"):
+        assert numbers["share"] == 0.1
+    for name, absent in (("share", Numbers(cells=2)), ("angle", numbers)):
+        with pytest.raises(KeyError, match=name):
+            absent[name]
 
 
 @pytest.mark.parametrize("measure", [gg.certificates, gg.quality])
@@ -146,7 +182,7 @@ def test_a_spike():
     bottom[3] = 0.5, 0.75
     bottom[2] = bottom[4] = 0.5, 0.25
     (found,) = gg.certificates(gg.transfinite(bottom, top, left, right))
-    assert (found.kind, found.nodes[1]) == ("spike", (3, 0))
+    assert (found.kind, found.nodes[1], found.numbers) == ("spike", (3, 0), {"angle": 0})
     bottom[4, 0] += 1e-9
     assert kinds(gg.transfinite(bottom, top, left, right)) == []
 
@@ -185,7 +221,7 @@ def test_a_neck_without_a_position_for_its_node():
     assert node[1] == 1
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(st.integers(0, 10**6), st.floats(0.1, 0.6))
 def test_of_3_x_3_nodes_there_is_a_certificate_or_a_valid_grid(seed, noise):
     """Every Jacobian is affine in the one inner node: a linear program says whether a position makes all positive."""
@@ -208,7 +244,37 @@ def test_of_3_x_3_nodes_there_is_a_certificate_or_a_valid_grid(seed, noise):
             assert (jacobians(*answer.x[:2]) > 0).all()
 
 
-@settings(max_examples=60)
+@pytest.mark.parametrize("shape", [(3, 3), (3, 7), (7, 3), (5, 6)])
+def test_many_parallel_half_planes_are_no_contradiction(shape):
+    """All boundary edges of a rectangle are parallel in pairs; its inner nodes are folded, so that a proof is tried."""
+    i, j = np.meshgrid(*map(np.arange, shape), indexing="ij")
+    xy = np.stack((i, 2 * j), axis=-1).astype(float)
+    xy[1:-1, 1:-1] = xy[0, 0]
+    assert gg.certificates(gg.Grid(xy)) == ()
+
+
+@pytest.mark.parametrize(
+    ("planes", "expected"),
+    [
+        ([(1, 0, 0), (2, 0, 1), (3, 0, 5)], False),  # x > 0, x > 1/2, x > 5/3.
+        ([(1, 0, 0), (-1, 0, -1)], False),  # 0 < x < 1.
+        ([(1, 0, 0), (-1, 0, 0)], True),  # 0 < x < 0.
+        ([(1, 0, 1), (-2, 0, -1)], True),  # 1 < x < 1/2.
+        ([(1, 0, 0), (0, 1, 0)], False),
+        ([(1, 0, 0), (0, 1, 0), (-1, -1, -1)], False),  # A triangle.
+        ([(1, 0, 0), (0, 1, 0), (-1, -1, 0)], True),  # A point.
+        ([(-1, -1, 1), (0, 1, 0), (1, 0, 0)], True),
+        ([(0, 0, 0)], True),
+        ([(1, 0, 0)], False),
+    ],
+)
+def test_half_planes_contradict_if_they_have_no_common_point(planes, expected):
+    exact = [tuple(map(Fraction, plane)) for plane in planes]
+    assert _contradict(exact) is expected
+    assert _contradict(exact[::-1]) is expected
+
+
+@settings(max_examples=25)
 @given(st.integers(0, 10**6))
 def test_necks_agree_with_linear_programming(seed):
     from scipy.optimize import linprog
@@ -254,6 +320,7 @@ def test_areas_and_windings_agree_when_run_backwards(points):
     assert winding is None or winding == -(winding_number(points[::-1], at) or 0)
 
 
+@settings(max_examples=40)
 @given(closed_curves(st.integers(5, 24)))
 def test_the_sweep_finds_what_all_pairs_hold(points):
     count = len(points)

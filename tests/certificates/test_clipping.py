@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -9,7 +11,18 @@ from hypothesis import strategies as st
 from support_boundaries import SEEDS, star_polygon
 from support_polygons import inside, moved, points_in, random_polygon
 
-from gridgen_sym.certificates.clipping import _contains, bisect, clip_to_positive, clip_to_visible, intersection
+from gridgen_sym.certificates import convex_decomposition
+from gridgen_sym.certificates.clipping import (
+    _contains,
+    _last_positive,
+    _last_visible,
+    _shadow,
+    _visible,
+    bisect,
+    clip_to_positive,
+    clip_to_visible,
+    intersection,
+)
 from gridgen_sym.certificates.convex_decomposition import decompose_inside, decompose_outside
 from gridgen_sym.certificates.integer_polygons import (
     IntegerCoordinates,
@@ -37,7 +50,7 @@ def test_no_feasible_position_is_clipped(seed, size):
     a = moved(a, 2 * size, 0)  # Apart, or else nearly every position is feasible.
     near, others = points_in(random, a, 6), points_in(random, c, 6)
     possible = [q for q in points_in(random, region, 40) if any(turn(q, p, r) > 0 for p in near for r in others)]
-    assert_kept(clip_to_positive(region, a, c), region, possible)
+    assert_kept(clip_to_positive(region, a, c, 0), region, possible)
 
 
 @given(SEEDS, st.floats(0.01, 0.99))
@@ -58,26 +71,67 @@ def test_just_what_exceeds_the_least_area_is_left(seed, part):
     assert clip_to_positive(region, a, c, heights[-1]) == ()
 
 
+def along(u, v, part):
+    return tuple(p + part * (q - p) for p, q in zip(u, v, strict=True))
+
+
+def tiny_points(random, count):
+    """Points of a few units, of which many are on one line."""
+    return [(int(x), int(y)) for x, y in random.integers(-3, 4, (count, 2))]
+
+
+def test_an_edge_is_clipped_just_where_its_last_point_is_feasible():
+    """Exact, of polygons of a few units: one unit too much would be a wrong proof."""
+    random, tested = np.random.default_rng(0), 0
+    while tested < 300:
+        (u, v), a, c = (tiny_points(random, count) for count in (2, random.integers(1, 4), random.integers(1, 4)))
+        least = int(random.integers(-1, 3))
+
+        def height(q, a=a, c=c, least=least):
+            return max(turn(q, p, r) for p in a for r in c) - least
+
+        if height(u) > 0 >= height(v):
+            tested += 1
+            part = Fraction(*_last_positive(u, v, a, c, least))
+            assert 0 < part <= 1
+            assert height(along(u, v, part)) <= 0 < height(along(u, v, part * (1 - Fraction(1, 10**6))))
+
+
+def test_an_edge_is_clipped_just_where_its_last_point_is_visible():
+    random, tested = np.random.default_rng(0), 0
+    while tested < 300:
+        (u, v, p), obstacle = tiny_points(random, 3), convex_hull(tiny_points(random, random.integers(3, 7)))
+        if len(obstacle) > 2 and is_hidden(p, v, obstacle) and not is_hidden(p, u, obstacle):
+            tested += 1
+            lines = list(_shadow(p, obstacle))
+            assert _visible(u, lines)
+            assert not _visible(v, lines)
+            part = Fraction(*_last_visible(u, v, lines))
+            assert 0 <= part < 1
+            assert not is_hidden(p, along(u, v, part), obstacle)
+            assert is_hidden(p, along(u, v, part + (1 - part) / 1000), obstacle)
+
+
 def test_a_position_without_a_positive_jacobian_is_infeasible():
     """To the right of a line, and on it."""
     below, a, c = ((0, 0), (8 << 20, 0), (4 << 20, -9 << 20)), ((-1, 0),), ((-9 << 20, 0),)
-    kept = clip_to_positive(below, a, c)
+    kept = clip_to_positive(below, a, c, 0)
     assert kept is None or all(inside(kept, q) for q in below)
-    assert clip_to_positive(below, c, a) == ()
-    assert clip_to_positive(below, a, a) == ()
+    assert clip_to_positive(below, c, a, 0) == ()
+    assert clip_to_positive(below, a, a, 0) == ()
 
 
 def is_hidden(p, q, obstacle):
     """Whether the segment from p to q leads through the inside of a convex polygon: it is clipped, edge after edge."""
-    low, high = 0.0, 1.0
+    low, high = Fraction(0), Fraction(1)
     for s, t in zip(obstacle, obstacle[1:] + obstacle[:1], strict=True):
         at_p, at_q = turn(s, t, p), turn(s, t, q)
         if at_p <= 0 and at_q <= 0:
             return False
         if at_p < 0 or at_q < 0:
-            meets = at_p / (at_p - at_q)
+            meets = Fraction(at_p) / (at_p - at_q)
             low, high = (max(low, meets), high) if at_p < 0 else (low, min(high, meets))
-    return high - low > 1e-9
+    return high > low
 
 
 @given(SEEDS, st.sampled_from(["apart", "a corner of it", "anywhere"]))
@@ -142,6 +196,8 @@ def test_polygons_with_a_common_edge_have_nothing_else_in_common():
     assert intersection(square, moved(square, 2**40, 0)) == ()
     assert intersection(square, moved(square, 2**40, 2**40)) == ()
     assert intersection(square, square) == square
+    unit = ((0, 0), (1, 0), (1, 1), (0, 1))
+    assert intersection(unit, unit) == unit, "however small, it is not empty"
 
 
 @given(SEEDS)
@@ -174,6 +230,15 @@ def test_what_is_outside_and_inside_of_a_polygon_is_cut_into_convex_pieces(seed,
 
 def nothing():
     pass
+
+
+def test_a_decomposition_with_a_gap_is_refused(monkeypatch):
+    """What is inside must be covered, or a feasible position could be excluded."""
+    ring = [(0, 0), (4, 0), (4, 4), (2, 1), (0, 4)]
+    assert decompose_inside(ring, nothing)
+    triangulate = convex_decomposition._triangulate
+    monkeypatch.setattr(convex_decomposition, "_triangulate", lambda *arguments: triangulate(*arguments)[1:])
+    assert decompose_inside(ring, nothing) == []
 
 
 def skyline(heights):
@@ -229,6 +294,19 @@ def test_an_obstacle_hides_what_is_behind_it(point, hidden, seen):
     assert clip_to_visible(convex_hull(beside), p, obstacle) is None
 
 
+@pytest.mark.parametrize("unit", [1 << 20, 1])
+def test_what_is_on_both_sides_of_a_shadow_is_kept(unit):
+    """The shadow hides two opposite corners of a region; nor is a region clipped that is small beside rounding."""
+    eye, obstacle, region = (
+        tuple((x * unit, y * unit) for x, y in polygon)
+        for polygon in (((0, -100),), ((-1, 0), (1, 0), (1, 1), (-1, 1)), ((0, 2), (9, 11), (0, 20), (-9, 11)))
+    )
+    part = clip_to_visible(region, eye, obstacle)
+    part = region if part is None else part
+    assert all(inside(part, point) for point in (region[1], region[3]))
+    assert doubled_area(part) <= doubled_area(region)
+
+
 def test_a_hull_has_no_corner_between_others():
     assert set(convex_hull([(x, y) for x in range(3) for y in range(3)])) == {(0, 0), (2, 0), (2, 2), (0, 2)}
     assert convex_hull([(2, 2), (0, 0), (1, 1)]) == ((0, 0), (2, 2))
@@ -256,3 +334,12 @@ def test_a_polygon_without_area_holds_nothing():
     assert not any(_contains(polygon, (3, 0, 1)) for polygon in ((), ((3, 0),), ((0, 0), (2, 0)), ((0, 0), (9, 0))))
     assert _contains(((0, 0), (4, 0), (0, 4)), (7, 0, 2))
     assert not _contains(((0, 0), (4, 0), (0, 4)), (9, 0, 2))
+
+
+def test_whether_a_polygon_contains_a_point_is_exact():
+    random = np.random.default_rng(0)
+    for _ in range(300):
+        polygon = convex_hull(tiny_points(random, random.integers(3, 7)))
+        if len(polygon) > 2:
+            x, y, d = (int(value) for value in (*random.integers(-12, 13, 2), random.integers(1, 5)))
+            assert _contains(polygon, (x, y, d)) == inside(polygon, (Fraction(x, d), Fraction(y, d)))
