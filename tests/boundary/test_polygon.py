@@ -173,6 +173,14 @@ def test_a_point_on_a_level_edge_is_on_the_polygon(level, x, winding):
         assert winding_number(ring, np.array([level, x])) == winding
 
 
+@pytest.mark.parametrize("count", [3, 4, 5, 12, 100])
+def test_the_turns_of_a_regular_polygon(count):
+    angles = 2 * np.pi * np.arange(count) / count + 0.1
+    ring = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    assert turns(ring)[0] == pytest.approx(2 * np.pi / count)
+    assert turns(ring[::-1])[0] == pytest.approx(-2 * np.pi / count)
+
+
 def test_differences_that_overflow_are_halved():
     square = 1.7e308 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     assert turns(square)[0] == pytest.approx(np.pi / 2)

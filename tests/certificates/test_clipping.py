@@ -330,6 +330,15 @@ def test_integer_coordinates_are_exact(seed, scale, shift):
     assert max(abs(value) for point in coordinates.to_integers(points) for value in point) >= 2**70
 
 
+def test_integer_coordinates_of_very_different_sizes_are_exact():
+    points = np.array([(0.1, 5e-324), (1e300, -1.0), (1 + 2**-52, 1e-300), (-1e-17, 3e200)])
+    coordinates = IntegerCoordinates(points)
+    for (x, y), integers in zip(points.tolist(), coordinates.to_integers(points), strict=True):
+        for value, zero, integer in zip((x, y), coordinates.origin, integers, strict=True):
+            assert (Fraction(value) - zero) * coordinates.scale == integer
+    assert np.array_equal(coordinates.to_floats(coordinates.to_integers(points)), points)
+
+
 def test_a_polygon_without_area_holds_nothing():
     assert not any(_contains(polygon, (3, 0, 1)) for polygon in ((), ((3, 0),), ((0, 0), (2, 0)), ((0, 0), (9, 0))))
     assert _contains(((0, 0), (4, 0), (0, 4)), (7, 0, 2))
