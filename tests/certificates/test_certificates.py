@@ -177,6 +177,14 @@ def test_a_spiral_that_overlaps_itself_has_a_valid_grid_and_no_certificate():
     assert gg.certificates(spiral) == ()
 
 
+def test_a_spike_is_no_turn_of_a_boundary_that_overlaps_itself():
+    """Where it runs back its turn is not known, so that no sum of turns proves anything."""
+    s, t = np.meshgrid(np.linspace(0, 1, 61), np.linspace(0, 1, 5), indexing="ij")
+    xy = np.stack(((1 + t) * np.cos(-2.5 * np.pi * s), (1 + t) * np.sin(-2.5 * np.pi * s)), axis=-1)
+    xy[31, 0] = xy[30, 0] - (xy[30, 0] - xy[29, 0]) / 2
+    assert kinds(gg.Grid(xy)) == ["spike"]
+
+
 def test_a_spike():
     bottom, top, left, right = square_sides(7)
     bottom[3] = 0.5, 0.75

@@ -133,7 +133,7 @@ def assert_sound(seed, kind, budget=300):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_proved_that_a_known_grid_refutes(kind):
-    outcomes = [assert_sound(seed, kind) for seed in range(40)]
+    outcomes = [assert_sound(seed, kind) for seed in range(25)]
     conflicts, doubts = zip(*(outcome for outcome in outcomes if outcome), strict=True)
     # The test is of use: there are conflicts, and only with doubted cells.
     assert any(conflicts) == any(doubts) == (kind != "valid")
@@ -141,7 +141,7 @@ def test_nothing_is_proved_that_a_known_grid_refutes(kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("block", range(100, 120))
+@pytest.mark.parametrize("block", range(1, 6))
 def test_nothing_is_proved_that_many_known_grids_refute(block, kind):
-    for seed in range(50 * block, 50 * (block + 1)):
+    for seed in range(40 * block, 40 * (block + 1)):
         assert_sound(seed, kind, budget=1500)
