@@ -33,10 +33,10 @@ CODE = [
 FILES = [*TOP, *PAGES, *SCRIPTS, *CODE]
 
 BRITISH = re.compile(
-    r"\w*(?:(?:(?:mini|maxi|opti)m|regular|linear|normal|initial|general|parametr|parameter|organ|recogn|summar|symmetr"
+    r"(?:(?:(?:mini|maxi|opti)m|regular|linear|normal|initial|general|parametr|parameter|organ|recogn|summar|symmetr"
     r"|factor|vector|real|util|penal|stabil|visual|serial|local|special|synchron|discret)is(?:e|ing|ation)|neighbour"
     r"|colour|behaviour|favour|honour|artefact|modelled|modelling|labelled|labelling|travell|learnt|spelt|whilst"
-    r"|programme\b|licence|grey\b|\bcentre|\bmetre|analyse|catalogue|towards\b)\w*",
+    r"|programme\b|licence|grey\b|\bcentre|\bmetre|analyse|catalogue|towards\b)",
     re.IGNORECASE,
 )
 #: Words of our own, and what the field says.
