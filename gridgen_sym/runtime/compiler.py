@@ -14,7 +14,7 @@ from pathlib import Path
 from ..errors import GridgenError
 from ..messages import report
 from . import cache
-from .process import run
+from .process import run, seconds_left
 from .threads import threads_that_sleep
 from .toolchain import Compiler
 from .toolchain import find_compiler as find_compiler
@@ -75,7 +75,9 @@ def _build(compiler: Compiler, name: str, source: str, headers: Mapping[str, str
             code, built = Path(folder) / f"{name}.c", Path(folder) / f"{name}.so"
             for file, text in {code.name: source, **headers}.items():
                 (code.parent / file).write_text(text, encoding="utf-8")
-            result = run(compiler.command(code, built), _COMPILE_SECONDS)
+            result = run(compiler.command(code, built), min(_COMPILE_SECONDS, seconds_left()))
+            if result is None:
+                seconds_left()  # Raises if it was the run's deadline that ended the compiler.
             _check(compiler, name, result)
             return built.read_bytes()
     except OSError as error:

@@ -7,6 +7,30 @@ import os
 import signal
 import subprocess
 import threading
+from collections.abc import Callable, Iterator
+from contextvars import ContextVar
+
+#: Returns the seconds that are left to whoever needs a program, and raises when there are none.
+_seconds_left: ContextVar[Callable[[], float]] = ContextVar("_seconds_left", default=lambda: float("inf"))
+
+
+@contextlib.contextmanager
+def time_limited(seconds_left: Callable[[], float]) -> Iterator[None]:
+    """Limit the time of compilations within the context.
+
+    Args:
+        seconds_left: returns the seconds that are left; what it raises when the time is over ends the compilation.
+    """
+    token = _seconds_left.set(seconds_left)
+    try:
+        yield
+    finally:
+        _seconds_left.reset(token)
+
+
+def seconds_left() -> float:
+    """Return the seconds that the context allows; raises what the context does when the time is over."""
+    return _seconds_left.get()()
 
 
 def run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] | None:

@@ -162,12 +162,13 @@ def untangle(
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
         return make_problem(on, definition, fixed=fixed, parameters=parameters, backend=backend)
 
+    deadline = Deadline(time_limit)
     problem = make(grid, fixed)
     if not problem.kernels.barrier:
         raise GridgenError(
             f"untangling needs a functional with a barrier at J = 0, such as winslow; {definition.name!r} has none"
         )
-    with Progress(f"{definition.name}, untangle", callback, progress, Deadline(time_limit)) as report:
+    with Progress(f"{definition.name}, untangle", callback, progress, deadline) as report:
         run = Run(problem, make, definition, parameters, grid.planes.copy(), report)
 
         def solve() -> Outcome:

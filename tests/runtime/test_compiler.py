@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import gridgen_sym as gg
 from gridgen_sym import domain, messages
 from gridgen_sym.backends.c.loader import PARTS, headers, part_of
 from gridgen_sym.codegen.backend import find_backend
@@ -25,6 +26,8 @@ from gridgen_sym.functionals import define, functional
 from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels, process, toolchain
 from gridgen_sym.runtime.compiler import compile_library
 from gridgen_sym.runtime.sources import find_sources
+from gridgen_sym.solvers.run.deadline import StopRequest
+from gridgen_sym.solvers.run.status import StopReason
 
 ANSWER = 'int answer(void);\n__attribute__((visibility("default"))) int answer(void) { return 42; }\n'
 COMPILER = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)
@@ -212,6 +215,35 @@ def test_a_compiler_that_never_ends_is_an_error_and_is_ended_with_its_parts(monk
     with pytest.raises(GridgenError, match="did not finish the kernels of tiny in 1 s"):
         compile_library("tiny", ANSWER)
     assert_ended(int((tmp_path / "part").read_text()))
+
+
+def test_a_deadline_ends_the_compiler_with_its_parts(monkeypatch, tmp_path, cache):
+    """Also before it begins."""
+    end = time.monotonic() + 1.0
+
+    def left():
+        seconds = end - time.monotonic()
+        if seconds <= 0:
+            raise StopRequest(StopReason.TIME_LIMIT, "over")
+        return seconds
+
+    monkeypatch.setenv("CC", script(tmp_path / "endless", f'sleep 600 & echo $! > "{tmp_path}/part"', "wait"))
+    for _ in range(2):
+        with pytest.raises(StopRequest), process.time_limited(left):
+            compile_library("tiny", ANSWER)
+    assert process.seconds_left() == float("inf")
+    assert_ended(int((tmp_path / "part").read_text()))
+
+
+@needs_compiler
+def test_the_time_limit_of_a_run_includes_its_compilations(monkeypatch, tmp_path, cache):
+    endless = 'case "$*" in *winslow_regularized*) sleep 600;; esac'
+    monkeypatch.setenv("CC", script(tmp_path / "endless", endless, f'exec "{COMPILER}" "$@"'))
+    start, began = gg.domain("zee", 17, 17), time.monotonic()
+    result = gg.untangle(start, time_limit=2.0, backend="c")
+    assert time.monotonic() - began < 60
+    assert result.stopped_by == "time limit"
+    assert result.quality.folded_cells <= gg.quality(start).folded_cells
 
 
 def test_an_interrupt_ends_the_compiler(monkeypatch, tmp_path, cache):

@@ -67,7 +67,7 @@ def test_it_ends_at_the_first_grid_that_cannot_be_mended_further(monkeypatch):
 def test_it_ends_where_rounding_decides(monkeypatch):
     """However well it goes."""
     place = 1e-3 * folded(1.0)[0]
-    monkeypatch.setattr(regularization, "_ended", lambda folds: False)
+    monkeypatch.setattr(regularization, "_ended", lambda *_: False)
     last = follow(place, monkeypatch)[-1]
     assert last > 1e-12 * mean_jacobian(place) > 0.3 * last
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ...runtime.process import time_limited
 from .deadline import StopRequest
 from .progress import Progress
 from .result import Result
@@ -12,6 +13,8 @@ from .status import Outcome, Status, StopReason
 
 def run_to_result(solve: Callable[[], Outcome], result: Callable[[Outcome], Result], report: Progress) -> Result:
     """Run a solver until it ends or is stopped, and return its result so far.
+
+    Compilations within honor the deadline, too; only what the energy of the result needs is compiled without a limit.
 
     Args:
         solve: returns how it has ended; keeps the best grid whatever ends it.
@@ -22,7 +25,8 @@ def run_to_result(solve: Callable[[], Outcome], result: Callable[[Outcome], Resu
         Exception: whatever the callback raises, as it is; its attribute `result` and a note then hold the best grid.
     """
     try:
-        outcome = solve()
+        with time_limited(report.deadline.check):
+            outcome = solve()
     except StopRequest as stop:
         return result(Outcome(Status.stopped(stop.by), f"{stop}; this is the best grid that it had."))
     except KeyboardInterrupt:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 from ...arrays import Array
 from ...functionals.definition import Functional
@@ -27,14 +28,28 @@ from .search import Search
 
 #: The first epsilon, over the depth of the worst fold and over the mean Jacobian: the larger of the two counts.
 _DEPTH, _SIZE = 0.2, 0.02
-#: Factor by which epsilon falls.
-_FALL = 0.3
-#: Progress has ended if in so many falls no cell is unfolded, and the worst fold is no shallower by this factor.
-_PATIENCE, _SHALLOWER = 3, 0.9
+#: Progress is a worst fold that is shallower by this factor, or one folded cell less.
+_SHALLOWER = 0.9
 #: For one epsilon: factor by which the gradient must fall, and Newton steps after which epsilon falls in any case.
 _TOLERANCE, _STEPS = 1e-2, 20
 #: Over the mean Jacobian: below this epsilon, rounding decides about signs.
 _SHARPEST = 1e-12
+
+
+class Pace(NamedTuple):
+    """How fast epsilon falls.
+
+    Attributes:
+        fall: factor by which it falls.
+        patience: falls without progress after which the path is given up.
+    """
+
+    fall: float
+    patience: int
+
+
+#: Fast is cheap and mostly enough; slow follows the path where Newton's method would jump to another one.
+FAST, SLOW = Pace(0.3, 3), Pace(0.6, 6)
 
 #: Lowers the energy of a problem from given coordinates on, in place.
 Lower = Callable[[Problem, Array], None]
@@ -60,11 +75,22 @@ def global_newton(problem: Problem, progress: Progress) -> Lower:
     return lower
 
 
-def follow(search: Search, frame: AffineMap, lower: Lower) -> None:
-    """Follow the minima for falling epsilon from the start of a search, in mapped coordinates; offer every grid."""
+def follow(
+    search: Search, frame: AffineMap, lower: Lower, functional: Functional | None = None, pace: Pace = FAST
+) -> None:
+    """Follow the minima for falling epsilon from the start of a search, in mapped coordinates; offer every grid.
+
+    Args:
+        search: takes the grids.
+        frame: the coordinates.
+        lower: lowers the energy for one epsilon.
+        functional: whose barrier is followed instead of the search's own, with its default parameters.
+        pace: how fast epsilon falls.
+    """
     place, fixed = frame.apply(search.start), search.problem.fixed
+    parameters = search.parameters if functional is None else None
     try:
-        for _ in path(search.problem, search.functional, place, search.parameters, lower):
+        for _ in path(search.problem, functional or search.functional, place, parameters, lower, pace):
             search.best.offer(frame.invert(place, search.start, fixed))
     finally:  # Ctrl-C may come in the midst of a step.
         search.best.offer(frame.invert(place, search.start, fixed))
@@ -76,21 +102,22 @@ def path(
     coordinates: Array,
     parameters: Mapping[str, float] | None,
     lower: Lower,
+    pace: Pace = FAST,
 ) -> Iterator[None]:
     """Follow the minima for falling epsilon, changing `coordinates` in place, as long as that is progress."""
     folds = [problem.folds(coordinates, mendable=True)]
     size = mean_jacobian(coordinates)
     epsilon = max(_DEPTH * folds[0].depth, _SIZE * size)
-    while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:]):
+    while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:], pace.patience):
         lower(regularized(problem, functional, parameters, epsilon), coordinates)
         folds.append(problem.folds(coordinates, mendable=True))
-        epsilon *= _FALL
+        epsilon *= pace.fall
         yield
 
 
-def _ended(folds: list[Folds]) -> bool:
+def _ended(folds: list[Folds], patience: int = FAST.patience) -> bool:
     """Return whether the last falls of epsilon were no progress over all before them."""
-    before, lately = folds[:-_PATIENCE], folds[-_PATIENCE:]
+    before, lately = folds[:-patience], folds[-patience:]
     if not before:
         return False
     fewer = min(fold.cells for fold in lately) < min(fold.cells for fold in before)

@@ -16,6 +16,7 @@ from .folded_nodes import FoldedNodes
 from .folded_subdomains import FoldedSubdomains
 from .other_barriers import OtherBarriers
 from .proofs import ProofSearch, QuickProofs, SliverSearch
+from .regularization import SLOW
 from .search import Search, Strategy
 from .smallest_jacobian import SmallestJacobian, SmallestJacobianOfAll
 from .stretched_coordinates import StretchedCoordinates
@@ -42,7 +43,8 @@ STRATEGIES: tuple[Strategy, ...] = (
     OtherBarriers(("modified_liao", "area_winslow"), most_nodes=_SMALL),
     SmallestJacobianOfAll(),
     ProofSearch(DEFAULT_BUDGET),
-    StretchedCoordinates(most_nodes=_SMALL),
+    StretchedCoordinates(_SMALL, "modified_liao", SLOW),
+    StretchedCoordinates(_SMALL),
     FeasibleStarts(DEFAULT_BUDGET),
     SliverSearch(DEFAULT_BUDGET),
     CoarseGrids(((2, 1), (1, 2), (3, 3))),
