@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 import gridgen_sym as gg
-from gridgen_sym.grids import corner_jacobians
+from gridgen_sym.grids import corner_jacobians, folded_corners
 from gridgen_sym.runtime import kernels
 from gridgen_sym.solvers.linear.systems import hessian_solver
 from gridgen_sym.solvers.newton.minimize import minimize
@@ -65,4 +65,4 @@ def plain_untangle(start: gg.Grid, name: str = "winslow", *, multigrid: bool, li
 def _jacobians(coordinates: np.ndarray) -> tuple[float, int, float]:
     """Return the smallest Jacobian, the number of folded cells, and the mean Jacobian."""
     jacobians = corner_jacobians(coordinates[0], coordinates[1])
-    return float(jacobians.min()), int((jacobians <= 0).any(axis=0).sum()), float(jacobians.mean())
+    return float(jacobians.min()), int(folded_corners(jacobians).any(axis=0).sum()), float(jacobians.mean())
