@@ -91,6 +91,8 @@ def browser(tmp_path_factory):
     options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
     driver = selenium.Chrome(options=options, service=selenium.ChromeService(DRIVER))
     driver.set_script_timeout(30)
+    # The page of a new tab asks other hosts: leave it before requests are watched.
+    driver.get("about:blank")
     yield driver
     driver.quit()
 
