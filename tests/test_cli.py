@@ -382,6 +382,7 @@ def test_a_users_functional_makes_grids_with_every_solver(mine, solver, backend)
     assert gg.quality(gg.read("a.npz")).valid
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_the_environment_chooses_the_backend(mine, backend, monkeypatch):
     monkeypatch.setenv("GRIDGEN_SYM_BACKEND", backend)

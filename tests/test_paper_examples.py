@@ -60,6 +60,7 @@ def test_every_section_is_there_in_order(examples):
     assert list(examples) == ["3.1", "3.2", "3.3", "3.4", "3.5"]
 
 
+@pytest.mark.slow
 def test_table_has_every_grid_and_every_claim(examples, folder, said):
     _, *sections = (folder / "results.md").read_text().split("\n## ")
     for example, section, screen in zip(examples.values(), sections, said[-6:-1], strict=True):

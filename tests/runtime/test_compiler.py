@@ -589,6 +589,7 @@ def test_everything_runs_under_a_compiler_that_is_strict(name, monkeypatch, cach
 # ---- parts of a kernel file ----
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_part_is_compiled_when_it_is_first_called_and_said(cache, capsys):
     coordinates = np.ascontiguousarray(domain("wavy", 5, 5).planes)
