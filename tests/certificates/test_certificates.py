@@ -13,7 +13,7 @@ from support import NO_SHARED, SHARED
 from support_boundaries import boundary_grids, closed_curves, grid_of_ring, valid_grids
 
 import gridgen_sym as gg
-from gridgen_sym.boundary.polygon import first_crossing, proper_crossings, winding_number
+from gridgen_sym.boundary.polygon import proper_crossings, winding_number
 from gridgen_sym.boundary.predicates import area_sign, orientation
 from gridgen_sym.certificates.certificate import Numbers
 from gridgen_sym.certificates.node_constraints import _contradict, infeasible_nodes
@@ -142,6 +142,13 @@ def test_a_boundary_without_area():
     assert kinds(gg.Grid(np.stack((i + 0.1 * j, 0 * i), axis=-1))) == ["clockwise"]
 
 
+def assert_edges_cross(grid, nodes):
+    """Check that four nodes are the ends of two edges of the boundary, and that these cross."""
+    assert proper_crossings(np.array([grid.xy[node] for node in nodes])) == [(0, 2)]
+    for (i, j), (k, m) in (nodes[:2], nodes[2:]):
+        assert abs(i - k) + abs(j - m) == 1
+
+
 def test_banks_that_cross_are_certified_by_a_point_that_is_wound_backwards():
     bottom, top, left, right = square_sides(9)
     bottom[4, 1] = 1.1  # The bottom reaches over the top.
@@ -151,8 +158,7 @@ def test_banks_that_cross_are_certified_by_a_point_that_is_wound_backwards():
     assert found.numbers["winding"] == -1
     assert found.numbers["crossings"] == 2
     assert found.point[1] == pytest.approx(1.0)
-    ends = [grid.xy[node] for node in found.nodes]
-    assert first_crossing(np.array(ends)) is not None
+    assert_edges_cross(grid, found.nodes)
     # Counted anew, by angles.
     index = boundary_indices(*grid.shape)
     away = grid.xy[index[:, 0], index[:, 1]] - [found.numbers["x"], found.numbers["y"]]
@@ -163,8 +169,10 @@ def test_banks_that_cross_are_certified_by_a_point_that_is_wound_backwards():
 def test_a_loop_is_certified_by_its_turn():
     s = 2 * np.pi * np.arange(40) / 40
     limacon = (1 + 2 * np.cos(s))[:, None] * np.stack((np.cos(s), np.sin(s)), axis=-1)  # Winds twice in its loop.
-    (found,) = [c for c in gg.certificates(grid_of_ring(limacon + np.array([1e-3, 0]), 11, 11)) if c.kind == "crossing"]
+    limacon_grid = grid_of_ring(limacon + np.array([1e-3, 0]), 11, 11)
+    (found,) = [c for c in gg.certificates(limacon_grid) if c.kind == "crossing"]
     assert found.numbers["turn"] == 720
+    assert_edges_cross(limacon_grid, found.nodes)
 
 
 def test_a_spiral_that_overlaps_itself_has_a_valid_grid_and_no_certificate():
