@@ -18,7 +18,7 @@ from support import (
 )
 
 from gridgen_sym.functionals import functional
-from gridgen_sym.runtime import find_compiler
+from gridgen_sym.runtime import Values, find_compiler
 from gridgen_sym.runtime.block import Block
 
 BACKEND = "c" if find_compiler() else "numpy"
@@ -116,8 +116,8 @@ def test_a_block_with_a_halo_gives_the_rows_of_the_whole(case):
     kernels, xy = kernel_set(*case, "c"), grid_of(case, (9, 70))
     ni, nj, plane = 5, 66, 9 * 70
     weight, vector = moving_weight(case, xy), np.random.default_rng(3).normal(size=xy.shape)
-    weights = np.empty(0) if weight is None else weight
     offset = 8 * (2 * 70 + 3)
+    values = Values.of(() if weight is None else weight, xy.shape[1:]).pointers + np.uintp(offset)
     block = Block(ni, nj, 1, ni - 1, 70, plane, 0, 1, 1.0, 1.0)
     whole = {
         "energy_gradient": (2, kernels.energy_gradient(xy, weight)[2]),
@@ -132,7 +132,7 @@ def test_a_block_with_a_halo_gives_the_rows_of_the_whole(case):
             "energy_gradient": [rows[0].ctypes.data, rows[1].ctypes.data],
             "hessian_vector": [at(vector, offset)],
         }
-        kernels._functions[name](block, at(xy, offset), at(weights, offset), kernels._parameters,
+        kernels._functions[name](block, at(xy, offset), values, kernels._parameters,
                                  *between.get(name, []), at(result, offset))  # fmt: skip
         assert relative_difference(result[inside], expected[inside]) < 1e-13
         assert np.isnan(result[:, :3]).all()
