@@ -43,7 +43,7 @@ def test_a_band_is_gridded(name):
 
 
 def unfold(start, fixed=None, stop_at=None):
-    """Return the coordinates that `unfold_from_middles` makes of a grid, and whether it says that they are valid."""
+    """Return the coordinates that `FeasibleStarts` makes of a grid, and whether it says that they are valid."""
     place, problem = start.planes.copy(), make_problem(start, "winslow", fixed=fixed)
 
     def stop(step):
