@@ -67,9 +67,14 @@ def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 120
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_prose_uses_the_fields_words(path):
-    assert slips(path.read_text(encoding="utf-8")) == []
+@pytest.mark.parametrize("folder", sorted({path.relative_to(ROOT).parts[0] for path in FILES}))
+def test_prose_uses_the_fields_words(folder):
+    found = {
+        path.relative_to(ROOT).as_posix(): slips(path.read_text(encoding="utf-8"))
+        for path in FILES
+        if path.relative_to(ROOT).parts[0] == folder
+    }
+    assert {path: words for path, words in found.items() if words} == {}
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,7 @@ def test_features_get_their_fraction_of_the_nodes(measure, fraction):
     assert density.min() >= 1 - 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", MEASURES)
 @given(scale=st.floats(1e-8, 1e8), offset=st.floats(-1e3, 1e3))
 def test_units_of_the_solution_do_not_matter(measure, scale, offset):

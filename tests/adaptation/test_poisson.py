@@ -40,6 +40,7 @@ def poisson_solver(exact, element):
     return solve
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", ["curvature", "recovery_error", "hierarchical_error"])
 @pytest.mark.parametrize("exact", [front, shock, ring])
 def test_error_of_the_solution_is_at_most_a_third(exact, measure):

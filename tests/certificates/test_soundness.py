@@ -131,6 +131,7 @@ def assert_sound(seed, kind, budget=300):
     return why is not None, bool(witness.doubted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_proved_that_a_known_grid_refutes(kind):
     outcomes = [assert_sound(seed, kind) for seed in range(25)]

@@ -126,6 +126,7 @@ def test_a_missing_file_is_shown_as_a_diff_and_written_again(written):
     assert write_generated(written) == [path]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["c/gone.c", "c/gone.h", "numpy/gone.py", "facts/gone.json", "docs/gone.md"])
 def test_a_stale_file_is_shown_as_a_diff_and_removed(written, name):
     path = written / name

@@ -129,6 +129,7 @@ def test_lowered_programs_equal_the_derived_expressions(case):
             assert not objections(run(program, values), expressions, values, SAME)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_printed_numpy_equals_the_derived_expressions(case):
     expected = corner_expressions(*case) | (equation_expressions(*case) if case in EQUATION_CASES else {})

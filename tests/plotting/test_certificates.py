@@ -18,6 +18,7 @@ def square(**moved):
     return gg.transfinite(xy[:, 0], xy[:, -1], xy[0], xy[-1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("grid", "titles"),
     [

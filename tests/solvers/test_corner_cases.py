@@ -35,6 +35,7 @@ def test_every_grid_is_a_solution_of_a_null_lagrangian(constant_kernels, backend
     assert gg.energy(gg.optimize(start, "winslow").grid, "null_lagrangian") == pytest.approx(result.energy, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_what_is_no_null_lagrangian_on_the_grid_is_not_called_one(constant_kernels):
     """With a weight, or without some of the corners, the energy differs from grid to grid."""
     start = gg.domain("swan", 9, 9)

@@ -66,6 +66,7 @@ RUNS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("solve", "start"), RUNS.values(), ids=RUNS)
 def test_whenever_the_time_is_over_the_best_grid_so_far_is_returned(solve, start, monkeypatch):
     def run(after):
@@ -147,6 +148,7 @@ def test_a_search_for_a_proof_asks():
     assert gg.certificates(backwards, search=True, check=over)[0].kind == "clockwise", "no search is needed"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("prove", [partial(gg.certificates, search=True), gg.sliver_certificate])
 def test_a_search_in_a_large_grid_asks_often(prove):
     """Every cell is folded, and each of its four hundred boundary nodes is an obstacle."""

@@ -66,6 +66,7 @@ def test_right_product_becomes_constant_and_the_other_does_not(solver, mode, sou
     assert found[other] > 8 * found[mode]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_right_product_becomes_more_constant_on_finer_grids(solver, mode):
@@ -110,6 +111,7 @@ def uneven_grid():
     return planes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["area", "winslow"])
 @pytest.mark.parametrize("source", SOURCES)
 @pytest.mark.parametrize("mode", MODES)
@@ -133,6 +135,7 @@ def test_gradient_is_that_of_the_energy_of_its_mode(name, mode, source):
     np.testing.assert_allclose(gradient, expected, rtol=0, atol=2e-8 * abs(expected).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["area", "winslow"])
 @pytest.mark.parametrize("mode", MODES)
 def test_hessian_is_that_of_the_energy_of_its_mode(name, mode):

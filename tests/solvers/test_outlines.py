@@ -59,6 +59,7 @@ def assert_valid_or_proved(name, cells, sampling):
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "cells", "sampling"), HARD)
 def test_a_valid_coarse_grid_is_not_lost(name, cells, sampling):
     result = assert_valid_or_proved(name, cells, sampling)

@@ -59,6 +59,7 @@ def folded_start():
 SHORT, LONG = ["short search", "short starts", "short sliver"], ["long starts", "long search", "long sliver"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("does", "reached", "found"),
     [
@@ -82,6 +83,7 @@ def test_no_stage_is_reached_in_vain_and_the_best_proof_is_told(stages, does, re
         assert result.message.count(str(proof)) == (proof in found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stage", SHORT + LONG)
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), StopRequest(StopReason.TIME_LIMIT, "it is over")], ids=str)
 def test_whatever_is_stopped_tells_once_what_is_folded_and_what_is_proved(stages, stage, error):
@@ -100,6 +102,7 @@ def test_whatever_is_stopped_tells_once_what_is_folded_and_what_is_proved(stages
     assert result.message.count("a sliver") == len(first)
 
 
+@pytest.mark.slow
 def test_a_barrier_that_is_too_weak_falls_back_on_winslows():
     """By itself this barrier leaves folds in the swan."""
     mu = 1e-3

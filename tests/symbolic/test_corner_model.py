@@ -87,6 +87,7 @@ def test_a_flipped_sign_is_seen(name):
     assert gradient_error(model, wrong, point) > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", functionals())
 def test_position_derivatives_through_the_weight(name):
     model = corner_model(functional(name), "differentiated")

@@ -23,6 +23,7 @@ def test_text_has_every_part(name):
     assert ("Equidistribution, weight frozen" in text) == ("*s" in text.split("Corner")[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", functionals())
 def test_latex_is_balanced(name):
     latex = derive_latex(functional(name))

@@ -46,11 +46,13 @@ def test_nothing_else_differs(verdicts):
     assert not [name for name, verdict in verdicts.items() if verdict.is_discovery]
 
 
+@pytest.mark.slow
 def test_the_difference_of_e3(verdicts):
     expected = read("x_etaeta*y_xi*(x_xi - y_xi)")
     assert sympy.expand(verdicts["area-expanded-2"].difference - expected) == 0
 
 
+@pytest.mark.slow
 def test_a_condition_is_not_plain_agreement(verdicts):
     conditional = {name for name, verdict in verdicts.items() if verdict.status == "holds where J > 0"}
     assert conditional == {"norm-of-inverse", "winslow-sum-3", "eigenvalues"}
@@ -66,11 +68,13 @@ def test_a_known_error_in_another_place_is_a_discovery():
         assert verdict.is_discovery
 
 
+@pytest.mark.slow
 def test_witnesses(verdicts):
     assert verdicts["weight-2"].difference == -195
     assert verdicts["winslow-bounded"].difference == -sympy.oo
 
 
+@pytest.mark.slow
 def test_the_minimum_of_the_sum_over_inner_nodes(verdicts):
     """The known answer: (0.310, 0.676), energy 17.25, J = -0.053, although a valid grid exists."""
     found = verdicts["winslow-inner-nodes"]
@@ -79,11 +83,13 @@ def test_the_minimum_of_the_sum_over_inner_nodes(verdicts):
         assert words in found.text
 
 
+@pytest.mark.slow
 def test_the_least_energy_of_shrinking_cells(verdicts):
     assert verdicts["winslow-degenerate"].difference == 2
     assert verdicts["modified-liao-degenerate"].difference == 4
 
 
+@pytest.mark.slow
 def test_the_combination_is_one_of_sums(verdicts):
     """Section 2.4 combines sums, which have no 1/2: ½ (J² + g12²) = ½ g11 g22, whose equations are printed."""
     for key in ("combined-sum", "knupp-expanded-1", "knupp-expanded-2"):
@@ -92,6 +98,7 @@ def test_the_combination_is_one_of_sums(verdicts):
     assert (verdict.difference, verdict.is_discovery) == (2, True)
 
 
+@pytest.mark.slow
 def test_exchanged_equations_are_right_as_a_pair_and_a_discovery_elsewhere(verdicts):
     for key in ("area-divergence-1", "area-divergence-2"):
         assert (verdicts[key].agrees, verdicts[key].erratum) == (True, "E2")
