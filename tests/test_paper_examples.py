@@ -10,6 +10,9 @@ from gridgen_sym.paper_examples import Case, Example, run
 from gridgen_sym.paper_examples.adaptive import FRACTION, PRODUCT, ROOT_PRODUCT, STOP, STOP_NEGATIVE, spreads
 from gridgen_sym.paper_examples.claim import better, decide
 
+#: Section 3 of the paper runs once for all of these.
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("matplotlib")
 
 PICTURES = {
@@ -46,7 +49,6 @@ def verdict(example: Example, words: str) -> str:
     return found
 
 
-@pytest.mark.slow
 def test_pictures_are_written_and_are_png(examples, folder):
     assert {path.name for path in folder.iterdir()} == PICTURES | {"results.md"}
     for name in PICTURES:
@@ -55,12 +57,10 @@ def test_pictures_are_written_and_are_png(examples, folder):
         assert len(data) > 20_000
 
 
-@pytest.mark.slow
 def test_every_section_is_there_in_order(examples):
     assert list(examples) == ["3.1", "3.2", "3.3", "3.4", "3.5"]
 
 
-@pytest.mark.slow
 def test_table_has_every_grid_and_every_claim(examples, folder, said):
     _, *sections = (folder / "results.md").read_text().split("\n## ")
     for example, section, screen in zip(examples.values(), sections, said[-6:-1], strict=True):
@@ -247,7 +247,6 @@ def test_swept_area_says_that_it_is_not_converged_and_its_limit_is(examples):
         assert any("has not converged for area" in note for note in examples[section].notes)
 
 
-@pytest.mark.slow
 def test_two_runs_write_the_same_table(examples, folder, tmp_path):
     run(tmp_path, lambda _: None)
     assert (tmp_path / "results.md").read_bytes() == (folder / "results.md").read_bytes()
