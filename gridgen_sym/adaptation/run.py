@@ -78,7 +78,7 @@ class Run:
             return Outcome(Status.STOPPED_BY_USER, f"it was interrupted; {last}")
         except Exception as error:
             if self.history:
-                ended = Outcome(Status.STOPPED_BY_CALLBACK, f"an error stopped it; {last}")
+                ended = Outcome(Status.STOPPED_BY_ERROR, f"an error stopped it; {last}")
                 error.result = self.result(ended)  # type: ignore[attr-defined]
                 error.add_note("Its attribute 'result' holds the last adapted grid whose solution is known.")
             raise

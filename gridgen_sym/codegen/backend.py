@@ -1,7 +1,7 @@
 """What a back end is, and how one is found by its name: built in, registered, or installed as an entry point.
 
 A back end prints kernels in its language and makes callable functions of what it has printed. It is one folder: this
-package's are in `gridgen_sym/backends/`, and nothing imports them; others may be anywhere.
+package's are in `gridgen_sym/backends/`, and only `documentation` imports them; others may be anywhere.
 """
 
 from __future__ import annotations

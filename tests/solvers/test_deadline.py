@@ -163,7 +163,7 @@ def test_a_search_in_a_large_grid_asks_often(prove):
 
     with pytest.raises(TimeoutError):
         prove(gg.Grid(xy), budget=10**6, check=check)
-    assert np.diff(times).max() < 0.3
+    assert np.diff(times).max() < 1.5, "about 0.2 s of processor time, and more where memory is slow"
 
 
 def test_the_search_for_feasible_starts_asks(monkeypatch):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import gridgen_sym as gg
@@ -57,7 +59,7 @@ def test_a_result_has_the_status_of_its_run(status, solve):
 def test_a_reason_equals_its_text_and_is_that_of_its_status():
     for reason in StopReason:
         assert Status.stopped(reason).stop_reason is reason
-    assert [StopReason.USER, StopReason.TIME_LIMIT, StopReason.CALLBACK] == ["Ctrl-C", "time limit", "callback"]
+    assert [*StopReason] == ["Ctrl-C", "time limit", "callback", "error"]
     assert Status.CONVERGED.stop_reason is None
 
 
@@ -65,3 +67,9 @@ def test_every_status_is_a_sentence_of_its_own():
     sentences = [status.value for status in Status]
     assert len(set(sentences)) == len(sentences)
     assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in sentences)
+
+
+def test_the_page_on_results_has_every_status():
+    page = Path(__file__).resolve().parents[2] / "docs" / "explanations" / "results.md"
+    text = page.read_text(encoding="utf-8")
+    assert [status.name for status in Status if f"| `{status.name}` | {status.value} |" not in text] == []

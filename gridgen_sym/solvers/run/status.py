@@ -12,6 +12,7 @@ class StopReason(StrEnum):
     USER = "Ctrl-C"
     TIME_LIMIT = "time limit"
     CALLBACK = "callback"
+    ERROR = "error"
 
 
 class Status(Enum):
@@ -30,6 +31,7 @@ class Status(Enum):
     STOPPED_BY_USER = "Ctrl-C stopped the run."
     STOPPED_BY_TIME_LIMIT = "The time limit stopped the run."
     STOPPED_BY_CALLBACK = "The callback stopped the run."
+    STOPPED_BY_ERROR = "An error in the user's own solver or callback stopped the run."
 
     @classmethod
     def stopped(cls, reason: StopReason) -> Status:

@@ -34,7 +34,7 @@ def run_to_result(solve: Callable[[], Outcome], result: Callable[[Outcome], Resu
         return result(Outcome(stopped, "it was interrupted; this is the best grid that it had."))
     except Exception as error:
         if report.callback_error is error:
-            stopped = Status.stopped(StopReason.CALLBACK)
+            stopped = Status.stopped(StopReason.ERROR)
             best = result(Outcome(stopped, "the callback raised an error; this is the best grid."))
             error.result = best  # type: ignore[attr-defined]
             error.add_note("The callback of a solver raised this; its attribute 'result' holds the best grid so far.")
