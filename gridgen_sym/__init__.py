@@ -119,8 +119,22 @@ def __dir__() -> list[str]:
 
 
 def _function(name: str) -> property:
-    """Return the attribute for a function that has the name of its package: that package does not take its place."""
-    return property(lambda _: __getattr__(name), lambda _, package: None)
+    """Return the attribute for a function that has the name of its package, which does not take its place when loaded.
+
+    So `import gridgen_sym.certificates as c` gives the function; `from gridgen_sym.certificates import ...` works.
+    """
+
+    def get(face: ModuleType) -> Any:  # noqa: ANN401
+        return face.__dict__.get(f"_{name}") or __getattr__(name)
+
+    def replace(face: ModuleType, value: object) -> None:
+        if not isinstance(value, ModuleType):
+            face.__dict__[f"_{name}"] = value
+
+    def restore(face: ModuleType) -> None:
+        face.__dict__.pop(f"_{name}", None)
+
+    return property(get, replace, restore)
 
 
 class _Face(ModuleType):

@@ -11,17 +11,29 @@ _Parameters = ParamSpec("_Parameters")
 _Returned = TypeVar("_Returned")
 
 
-def renamed_argument(
-    old: str, new: str
+def renamed_arguments(
+    **renamed: str,
 ) -> Callable[[Callable[_Parameters, _Returned]], Callable[_Parameters, _Returned]]:
-    """Accept the old name of a keyword argument, with a `DeprecationWarning` that gives the new one."""
+    """Accept old names of keyword arguments, with a `DeprecationWarning` that gives the new ones.
+
+    Args:
+        **renamed: the new name of each old one.
+
+    Raises:
+        TypeError: when the function is called with both names of an argument.
+    """
 
     def decorate(function: Callable[_Parameters, _Returned]) -> Callable[_Parameters, _Returned]:
+        name = function.__qualname__.removesuffix(".__init__")
+
         @functools.wraps(function)
         def call(*arguments: Any, **keywords: Any) -> _Returned:  # noqa: ANN401
-            if old in keywords:
-                text = f"{function.__name__}({old}=...) is deprecated: the argument is called {new}"
+            for old in renamed.keys() & keywords.keys():
+                new = renamed[old]
+                text = f"{name}({old}=...) is deprecated: the argument is called {new}"
                 warnings.warn(text, DeprecationWarning, stacklevel=2)
+                if new in keywords:
+                    raise TypeError(f"{name}() got {new} and its old name {old}: give {new} alone")
                 keywords[new] = keywords.pop(old)
             return function(*arguments, **keywords)
 

@@ -81,3 +81,28 @@ def test_old_names_of_adapt_warn_and_work(old, new, value):
     with pytest.warns(DeprecationWarning, match=f"{old}=.*{new}"):
         result = gg.adapt(SQUARE, "x", **({key: number for key, number in given.items() if key != new} | {old: value}))
     assert result.grid == gg.adapt(SQUARE, "x", **given).grid
+
+
+def test_both_names_of_an_argument_are_refused_and_the_warning_points_to_the_caller():
+    calls = (
+        lambda: gg.optimize(SQUARE, functional="winslow", name="area"),
+        lambda: gg.adapt(SQUARE, "x", steps=1, max_iterations=1),
+        lambda: gg.certificates(SQUARE, work=1, budget=1),
+        lambda: gg.Monitor(share=0.5, feature_fraction=0.5),
+    )
+    for call in calls:
+        with (
+            pytest.warns(DeprecationWarning, match="is deprecated") as warned,
+            pytest.raises(TypeError, match="old name"),
+        ):
+            call()
+        assert [warning.filename for warning in warned] == [__file__]
+
+
+def test_names_that_are_packages_can_be_replaced_and_restored(monkeypatch):
+    for name in ("certificates", "functionals"):
+        before = getattr(gg, name)
+        with monkeypatch.context() as patch:
+            patch.setattr(gg, name, len)
+            assert getattr(gg, name) is len
+        assert getattr(gg, name) is before

@@ -8,7 +8,7 @@ from typing import get_args
 import numpy as np
 import numpy.typing as npt
 
-from ..deprecation import renamed_argument
+from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
@@ -27,8 +27,7 @@ from .source import Solution, source_of
 from .weight_exponent import weight_exponent_of
 
 
-@renamed_argument("steps", "max_iterations")
-@renamed_argument("power", "weight_exponent")
+@renamed_arguments(steps="max_iterations", power="weight_exponent")
 def adapt(
     grid: Grid,
     solution: Solution,

@@ -32,6 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
+from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..fields.sampled import nodal
 from ..grids import Grid
@@ -43,6 +44,8 @@ Measure = Callable[[Grid, Array], npt.ArrayLike]
 
 #: Steps of bisection by which the intensity is found to round-off.
 _BISECTIONS = 60
+#: What rounding may add to nodal values, over the largest of them.
+_ROUNDING = 8 * float(np.finfo(float).eps)
 
 
 def _mean(grid: Grid, values: Array) -> float:
@@ -107,24 +110,19 @@ class Monitor:
     feature_fraction: float
     smoothing: int
 
+    @renamed_arguments(share="feature_fraction")
     def __init__(
         self,
         measure: str | Measure = "curvature",
         feature_fraction: float = 0.75,
         smoothing: int = 2,
-        *,
-        share: float | None = None,
     ) -> None:
-        """Check the arguments; `share` is the old name of `feature_fraction`.
+        """Check the arguments.
 
         Raises:
             GridgenError: for an unknown measure, or numbers out of their range.
         """
-        if share is not None:
-            text = "Monitor(share=...) is deprecated: the argument is called feature_fraction"
-            warnings.warn(text, DeprecationWarning, stacklevel=2)
-            feature_fraction = share
-        if not callable(measure) and measure not in _MEASURES:
+        if not callable(measure) and not (isinstance(measure, str) and measure in _MEASURES):
             raise GridgenError(
                 f"unknown monitor {quoted(measure)}; known: {', '.join(_MEASURES)}, or your own function of the grid "
                 "and the nodal values"
@@ -169,7 +167,15 @@ class Monitor:
             _check_positive(grid, m, "density of nodes must be positive", smallest=np.finfo(float).tiny)
             return smoothed(m, self.smoothing)
         _check_positive(grid, m, "measure of features must not be negative", smallest=0.0)
-        return smoothed(self._intensified(grid, m), self.smoothing)
+        return smoothed(self._intensified(grid, self._above_round_off(grid, u, m)), self.smoothing)
+
+    def _above_round_off(self, grid: Grid, u: Array, m: Array) -> Array:
+        """Return a measure m of values u, or zero if it is no larger than that of what rounding may add to u."""
+        if not isinstance(self.measure, str):
+            return m
+        signs = np.random.default_rng(0).choice((-1.0, 1.0), grid.shape)
+        noise = np.asarray(_MEASURES[self.measure](grid, _ROUNDING * float(np.abs(u).max()) * signs))
+        return m if m.max() > noise.max() else np.zeros_like(m)
 
     def _intensified(self, grid: Grid, m: Array) -> Array:
         """Return the density whose excess over 1 is `feature_fraction` of its integral."""

@@ -69,9 +69,9 @@ def domain(name: str, ni: int, nj: int, **parameters: float) -> Grid:
 
 def _find(name: str) -> _Domain:
     """Return the entry of the table, or raise an error with the closest names."""
-    if name in _DOMAINS:
+    if isinstance(name, str) and name in _DOMAINS:
         return _DOMAINS[name]
-    close = difflib.get_close_matches(name, _DOMAINS, n=3, cutoff=0.4)
+    close = difflib.get_close_matches(str(name), _DOMAINS, n=3, cutoff=0.4)
     hint = f"did you mean {' or '.join(repr(c) for c in close)}? " if close else ""
     raise GridgenError(f"no classical domain is called {quoted(name)}: {hint}Known: {', '.join(domain_names())}")
 

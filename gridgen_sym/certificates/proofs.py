@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 
 import numpy as np
 
+from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..grids.grid import Grid, check_grid
 from .boundary_proofs import boundary_proofs
@@ -20,13 +20,13 @@ from .search import find_conflict, find_sliver
 _MOST_NAMED = 6
 
 
+@renamed_arguments(work="budget")
 def certificates(
     grid: Grid,
     *,
     search: bool = False,
     budget: int = DEFAULT_BUDGET,
     check: Callable[[], object] | None = None,
-    work: int | None = None,
 ) -> tuple[Certificate, ...]:
     """Return proofs that no valid grid has the boundary nodes of a grid. The inner nodes do not matter.
 
@@ -43,12 +43,11 @@ def certificates(
         budget: how many constraints each of the few attempts of the search may apply, at about 50 microseconds each.
             The default takes a few seconds; hard boundaries need a hundred times as many, or stay undecided.
         check: called at most a few tenths of a second apart once the search begins; what it raises ends it.
-        work: the old name of `budget`; deprecated.
 
     Raises:
         GridgenError: if `grid` is no Grid, or `budget` no positive integer.
     """
-    budget = _check_arguments(grid, budget, work)
+    budget = _check_arguments(grid, budget)
     found = boundary_proofs(grid, check)
     if search and not found:
         conflict = find_conflict(grid, budget, check)
@@ -56,12 +55,12 @@ def certificates(
     return tuple(found)
 
 
+@renamed_arguments(work="budget")
 def sliver_certificate(
     grid: Grid,
     *,
     budget: int = DEFAULT_BUDGET,
     check: Callable[[], object] | None = None,
-    work: int | None = None,
 ) -> Certificate | None:
     """Return a proof that every valid grid with given boundary nodes, if there is one, has a sliver.
 
@@ -75,7 +74,6 @@ def sliver_certificate(
         grid: as for `certificates`; the search is made near its folded cells.
         budget: as for `certificates`, for each of the fractions.
         check: as for `certificates`.
-        work: the old name of `budget`; deprecated.
 
     Returns:
         A certificate of kind 'sliver'. None if no proof was found, for a valid grid, and where one of the quick
@@ -84,22 +82,19 @@ def sliver_certificate(
     Raises:
         GridgenError: as `certificates`.
     """
-    budget = _check_arguments(grid, budget, work)
+    budget = _check_arguments(grid, budget)
     sliver = None if boundary_proofs(grid, check) else find_sliver(grid, budget, check)
     return _searched(grid, sliver) if sliver else None
 
 
-def _check_arguments(grid: Grid, budget: int, work: int | None) -> int:
+def _check_arguments(grid: Grid, budget: int) -> int:
     """Return the budget, or raise what `certificates` does."""
     check_grid(grid)
-    name, value = ("budget", budget) if work is None else ("work", work)
-    if work is not None:
-        warnings.warn("the argument `work` is called `budget` now", DeprecationWarning, stacklevel=3)
-    if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 1:
+    if not isinstance(budget, (int, np.integer)) or isinstance(budget, bool) or budget < 1:
         raise GridgenError(
-            f"{name} must be an integer, at least 1, the number of constraints to apply; came {quoted(value)}"
+            f"budget must be an integer, at least 1, the number of constraints to apply; came {quoted(budget)}"
         )
-    return int(value)
+    return int(budget)
 
 
 def _searched(grid: Grid, conflict: Conflict) -> Certificate:

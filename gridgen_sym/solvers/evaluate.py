@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
-from ..deprecation import renamed_argument
+from ..deprecation import renamed_arguments
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..grids import Grid
@@ -17,7 +17,7 @@ from .linear.sparse import assemble_hessian
 from .problem import make_problem
 
 
-@renamed_argument("name", "functional")
+@renamed_arguments(name="functional")
 def energy(
     grid: Grid,
     functional: str | Functional,
@@ -34,7 +34,7 @@ def energy(
     return problem.energy(grid.planes)[0]
 
 
-@renamed_argument("name", "functional")
+@renamed_arguments(name="functional")
 def gradient(
     grid: Grid,
     functional: str | Functional,
@@ -58,7 +58,7 @@ def gradient(
     return np.stack(tuple(problem.energy_gradient(grid.planes)[2]), axis=-1)
 
 
-@renamed_argument("name", "functional")
+@renamed_arguments(name="functional")
 def hessian(
     grid: Grid,
     functional: str | Functional,

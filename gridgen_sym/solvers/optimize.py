@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy.typing as npt
 
-from ..deprecation import renamed_argument
+from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
@@ -29,7 +29,7 @@ from .run.stopping import run_to_result
 _LIMITS = {"newton": 1000, "local": 5000}
 
 
-@renamed_argument("name", "functional")
+@renamed_arguments(name="functional")
 def optimize(
     grid: Grid,
     functional: str | Functional,
@@ -123,7 +123,7 @@ def optimize(
         return run_to_result(solve, run.result, report)
 
 
-@renamed_argument("name", "functional")
+@renamed_arguments(name="functional")
 def untangle(
     grid: Grid,
     functional: str | Functional = "winslow",

@@ -217,3 +217,12 @@ def test_the_old_name_of_the_fraction_warns_and_works():
     assert old == gg.Monitor("gradient", feature_fraction=0.4) == gg.Monitor("gradient", 0.4)
     with pytest.warns(DeprecationWarning, match="called feature_fraction"):
         assert old.share == 0.4
+
+
+@pytest.mark.parametrize("solution", ["x + y", "3*x - 2*y + 1", "x + y + 1e-14*x**2", "1e-3*(x + y)"])
+@pytest.mark.parametrize("measure", ["curvature", "recovery_error", "hierarchical_error"])
+def test_rounding_is_nothing_to_adapt_to(solution, measure):
+    start = gg.domain("square", 11, 11)
+    result = gg.adapt(start, solution, monitor=measure, max_iterations=3)
+    assert result.converged
+    np.testing.assert_allclose(result.grid.xy, start.xy, atol=1e-9)

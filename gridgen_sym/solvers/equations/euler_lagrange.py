@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from ...deprecation import renamed_argument
+from ...deprecation import renamed_arguments
 from ...errors import GridgenError, quoted
 from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
@@ -39,7 +39,7 @@ _FOLDED = "The grid was folded at the start; it was untangled and brought near t
 _LIMITS = {"newton": 200, "relaxation": 100_000}
 
 
-@renamed_argument("name", "functional")
+@renamed_arguments(name="functional")
 def solve_euler_lagrange(
     grid: Grid,
     functional: str | Functional,
