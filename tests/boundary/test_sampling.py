@@ -259,6 +259,7 @@ def test_any_curve_gives_a_grid_or_a_clear_message(points, sampling, corners):
     assert all(found.kind != "crossing" for found in gg.certificates(grid))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not OUTLINES.is_dir(), reason=NO_SHARED.format("domains/outlines"))
 @pytest.mark.parametrize(("corners", "cells"), [(None, 64), (None, 128), ("auto", 64)])
 def test_sampled_outlines_have_no_certificate(corners, cells):

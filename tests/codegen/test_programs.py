@@ -181,6 +181,7 @@ def gradient_objections(program, energy, values):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_corner_gradient_is_the_slope_of_the_energy(case):
     programs = derived_kernel(*case).programs

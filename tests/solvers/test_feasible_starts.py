@@ -60,6 +60,7 @@ def unfold(start, fixed=None, stop_at=None):
             return place, False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(BANDS)))
 def test_transfinite_grids_of_bands_become_valid(number):
     place, valid = unfold(band(*BANDS[number]))

@@ -333,6 +333,7 @@ def test_the_start_is_not_changed():
     assert np.array_equal(start.xy, before)
 
 
+@pytest.mark.slow
 @each_functional
 @each_method
 def test_the_backends_agree(name, method):

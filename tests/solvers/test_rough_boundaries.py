@@ -100,6 +100,7 @@ def seconds_to_valid(seed):
     return time.process_time() - begin if result.quality.valid else np.inf
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 66, 82])
 def test_a_rough_boundary_gets_its_grid(seed):
     """Of these the barrier of winslow leaves a fold."""
