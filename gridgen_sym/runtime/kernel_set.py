@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Number of planes of the stored half of the Hessian, and of the Jacobian of the Euler-Lagrange residual.
 HESSIAN_PLANES, JACOBIAN_PLANES = 19, 36
+#: What a functional is given that names no values.
+_NONE = Values.of((), (0, 0))
 _TYPES = (np.dtype(np.float64), np.dtype(np.uint8))
 
 
@@ -236,10 +238,12 @@ class KernelSet:
         Raises:
             GridgenError: if there are more or fewer of them than the functional names, or of another grid.
         """
+        if not self.planes:
+            return _NONE
         if isinstance(values, Values):
             count, came = len(values.nodes), values.nodes[0].shape if values.nodes else shape
         else:
-            planes = np.empty((0, *shape)) if values is None or not self.planes else values
+            planes = np.empty((0, *shape)) if values is None else values
             count, came = planes.shape[0], planes.shape[1:]
         if (count, *came) != (len(self.planes), *shape):
             raise GridgenError(
