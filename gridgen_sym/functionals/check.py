@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..errors import GridgenError, shortened
 from .expression import FUNCTION_NAMES, LARGEST_EXPONENT
 from .metric import DENSITY_NAMES, WEIGHT_NAME, symbol, sympy_functions
@@ -119,7 +119,7 @@ def _check_derivatives(functional: Functional, density: sympy.Expr) -> None:
     )
 
 
-def _random_corners() -> NDArray[np.float64]:
+def _random_corners() -> Array:
     """Return edge vectors of corners with J > 0, (4, n): of many sizes, and on no kink but by chance."""
     random = np.random.default_rng(11)
     corners = random.normal(size=(4, 25 * len(_SIZES)))

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from .metric import symbol
 
 if TYPE_CHECKING:
     import sympy
 
-Array = NDArray[np.float64]
 #: Values beyond this may have derivatives that overflow, which does not concern the density.
 _HUGE = 1e100
 

@@ -121,11 +121,9 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
 
 def _weight_slopes(variant: Variant) -> tuple[Expr, Expr]:
     """Return the derivatives of the weight along xi and eta."""
-    if variant == "frozen":
-        return s_xi, s_eta
     if variant == "differentiated":
         return s_x * x_xi + s_y * y_xi, s_x * x_eta + s_y * y_eta
-    return sympy.S.Zero, sympy.S.Zero
+    return s_xi, s_eta
 
 
 def _coefficients(slope: sympy.Matrix, second: Symbol) -> tuple[Expr, Expr]:
@@ -152,11 +150,4 @@ def total_derivative(expression: Expr, along: str, variant: Variant = "plain") -
         (differentiate(expression, p) * slope for p, slope in zip(FIRST_DERIVATIVES, slopes, strict=True)),
         sympy.S.Zero,
     )
-    return result + sympy.diff(expression, s) * weight_slope(along, variant)
-
-
-def weight_slope(along: str, variant: Variant) -> Expr:
-    """Return the derivative of the weight along `xi` or `eta`."""
-    if variant == "differentiated":
-        return s_x * x_xi + s_y * y_xi if along == "xi" else s_x * x_eta + s_y * y_eta
-    return s_xi if along == "xi" else s_eta
+    return result + sympy.diff(expression, s) * _weight_slopes(variant)[along == "eta"]
