@@ -330,7 +330,7 @@ def test_derive_prints_text_and_latex():
 @pytest.mark.slow
 def test_verify_finds_the_errata_and_no_discovery():
     said = run("verify")
-    for erratum in (1, 2, 3, 5, 6, 7, 8, 9, 10, 11):  # E4 is withdrawn.
+    for erratum in (1, 2, 3, *range(5, 15)):  # E4 is withdrawn.
         assert f"[E{erratum}]" in said
     assert "0 differ without a known erratum" in said
     assert "x_etaeta*y_xi*(x_xi - y_xi)" in said

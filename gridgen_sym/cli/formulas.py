@@ -116,7 +116,7 @@ def verify() -> None:
     conditional = sum(verdict.agrees and not verdict.is_plain and not verdict.erratum for verdict in found)
     discoveries = sum(verdict.is_discovery for verdict in found)
     click.echo(
-        f"{len(found)} printed equations and claims: {plain} agree, {conditional} where J > 0 only, "
+        f"{len(found)} printed equations and claims: {plain} agree, {conditional} under a condition, "
         f"{len(known)} are known errata ({', '.join(sorted(set(known), key=lambda key: int(key[1:])))}), "
         f"{discoveries} differ without a known erratum"
     )

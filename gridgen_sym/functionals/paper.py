@@ -6,6 +6,7 @@ text in the names of the metric (`g11`, `J`, `x_xi`, ...), of second derivatives
 - `D_xi(...)`, `D_eta(...)`: total derivatives along the logical coordinates;
 - `F_x`, `F_x_xi`, ...: derivatives of the density of any functional;
 - `A`, `G`: the Jacobian matrix [g1 g2] and the metric tensor, with `norm` (Frobenius), `det`, `inverse`, `transpose`;
+- `matrix(a, b, c, d)`: the matrix with the rows (a, b) and (c, d); `g21`: g2.g1;
 - `g1`, `g2`: the covariant vectors, with `dot` and `cross`;
 - `lambda_1`, `lambda_2`: the eigenvalues of the metric tensor;
 - `x_k`, `x_1`, ...: positions of node k and of its neighbors, 4 and 2 along +xi and -xi, 1 and 3 along +eta and -eta.
@@ -29,6 +30,8 @@ Kind = Literal[
     "parameters",
     "classification",
     "claim",
+    "angle",
+    "interpolation",
     "weight",
 ]
 
@@ -46,7 +49,8 @@ class PrintedEquation:
             `vectors` and `jacobian` (entries of g1, g2 and of the Jacobian matrix, in rows), `equality` and
             `inequality` (left side >= right side), `integral` (a density), `equation` (an Euler–Lagrange equation
             of one functional, = 0), `sum` (a corner energy), `parameters` (k_A, k_L, k_O), `classification` and `claim`
-            (words), `weight` (an adaptive function of x and y).
+            (words), `angle` (a quantity that is to measure the angle between g1 and g2), `interpolation` (words on
+            transfinite interpolation), `weight` (an adaptive function of x and y).
         expressions: the expressions as text, or the words of a claim.
         functional: the functional it belongs to, if any.
         of_sum: whether an `equation` is that of a functional which is printed as a sum, not as an integral.
@@ -113,6 +117,20 @@ _GENERAL = (
         r"g_{12} = \mathbf{g}_1^t\cdot\mathbf{g}_2",
         "equality",
         ("g12", "dot(g1, g2)"),
+    ),
+    PrintedEquation(
+        "metric-angle",
+        "Section 2, before Table 1",
+        r"g_{12}\ \text{is a measure of the angle between}\ \mathbf{g}_1\ \text{and}\ \mathbf{g}_2",
+        "angle",
+        ("g12",),
+    ),
+    PrintedEquation(
+        "metric-length",
+        "Section 2, before Table 1",
+        r"g_{11}\ \text{is a measure of the discrete}\ L_2\ \text{length of}\ \mathbf{g}_1",
+        "equality",
+        ("g11", "norm(g1)"),
     ),
 )
 
@@ -501,11 +519,26 @@ _WINSLOW = (
         "winslow",
     ),
     PrintedEquation(
+        "winslow-minimum",
+        "Section 2.5, after the third form of the functional",
+        r"\text{minimizing the functional is equivalent to minimizing } \mathsf{K}(\boldsymbol{J})",
+        "claim",
+        ("minimizes each corner",),
+        "winslow",
+    ),
+    PrintedEquation(
         "condition-number",
         "Section 2.5, displayed formula",
         r"\mathsf{K} = \frac{\mathbf{g}_1^2 + \mathbf{g}_2^2}{|\mathbf{g}_1\times\mathbf{g}_2|}",
         "equality",
         ("norm(A)*norm(inverse(A))", "(dot(g1, g1) + dot(g2, g2))/abs(cross(g1, g2))"),
+    ),
+    PrintedEquation(
+        "metric-matrix",
+        "Section 2.5, displayed metric tensor",
+        r"\boldsymbol{g} = \begin{bmatrix} g_{11} & g_{12} \\ g_{21} & g_{22} \end{bmatrix}",
+        "equality",
+        ("matrix(g11, g12, g21, g22)", "transpose(A)*A"),
     ),
     PrintedEquation(
         "eigenvalues",
@@ -595,6 +628,14 @@ _LIAO = (
         ("(norm(A)*norm(inverse(A)))**2",),
         "modified_liao",
     ),
+    PrintedEquation(
+        "modified-liao-minimum",
+        "Section 2.7, last sentence",
+        r"\text{minimizes } \mathsf{K}(\boldsymbol{J})^2\text{, whereas Winslow minimizes } \mathsf{K}(\boldsymbol{J})",
+        "claim",
+        ("minimizes each corner",),
+        "modified_liao",
+    ),
 )
 
 _WEIGHTS = (
@@ -616,6 +657,16 @@ _WEIGHTS = (
     ),
 )
 
+_EXAMPLES = (
+    PrintedEquation(
+        "transfinite-kinks",
+        "Section 3.2, first paragraph",
+        r"\text{boundary discontinuity can propagate inside the domain}",
+        "interpolation",
+        ("boundary discontinuity can propagate",),
+    ),
+)
+
 #: Everything that the paper prints, in its order.
 PRINTED: tuple[PrintedEquation, ...] = (
     *_GENERAL,
@@ -627,4 +678,5 @@ PRINTED: tuple[PrintedEquation, ...] = (
     *_WINSLOW,
     *_LIAO,
     *_WEIGHTS,
+    *_EXAMPLES,
 )

@@ -147,7 +147,8 @@ def test_what_the_home_page_and_the_readme_claim():
     verdicts = verified()
     agree, errata = (sum(verdict.is_plain for verdict in verdicts), sum(bool(one.erratum) for one in verdicts))
     condition = len(verdicts) - agree - errata
-    assert f"{agree} agree, {condition} hold where J > 0 only, {errata} are errata" in home
+    assert f"{agree} agree, {condition} hold under a condition, {errata} are errata" in home
+    assert f"{len(verdicts)} equations and claims" in home
 
 
 def test_the_reference_has_every_public_name_and_command():

@@ -98,6 +98,7 @@ def _title(key: str) -> str:
         "2.6": "Section 2.6: Liao",
         "2.7": "Section 2.7: modified Liao",
         "3.1": "Section 3.1: adaptive weights",
+        "3.2": "Section 3.2: transfinite interpolation",
     }.get(key, f"Section {key}")
 
 

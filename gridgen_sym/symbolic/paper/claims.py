@@ -12,10 +12,12 @@ from ..definiteness import is_nonnegative
 from ..derive.discrete import corner_model, has_barrier, variant_density
 from .comparison import agreement, weight_minimum
 from .errata import Finding
-from .interior_sum import inner_minimum
 from .notation import read
+from .sums import compare_each, compare_inner_sum, negative_weight_bounds
 
 _t = sympy.Symbol("t", positive=True)
+_r1, _r2 = sympy.symbols("r1 r2", positive=True)
+_angle, _turn = sympy.symbols("theta turn", real=True)
 
 
 def refutation(text: str) -> Finding:
@@ -69,9 +71,22 @@ def compare_weight(printed: PrintedEquation) -> Finding:
     least, place = weight_minimum(weight)
     if least < 0:
         where = ", ".join(f"{name} = {value}" for name, value in place.items())
-        text = f"s = {least} at {where}: there larger cells have less energy"
+        text = f"s = {least} at {where}: there larger cells have less energy; {negative_weight_bounds(least)}"
         return Finding(False, "claim refuted", "negative weight", least, text)
     return agreement("non-negative, term by term") if weight.is_nonnegative else refutation("its sign is not known")
+
+
+def compare_angle(printed: PrintedEquation) -> Finding:
+    """Decide whether a quantity measures the angle between g1 and g2: it depends on nothing else."""
+    vectors = {x_xi: _r1 * sympy.cos(_turn), y_xi: _r1 * sympy.sin(_turn)}
+    vectors |= {x_eta: _r2 * sympy.cos(_turn + _angle), y_eta: _r2 * sympy.sin(_turn + _angle)}
+    printed_text = printed.expressions[0]
+    value = sympy.trigsimp(sympy.factor(expand_metric(read(printed_text)).subs(vectors)))
+    text = f"with |g1| = r1, |g2| = r2 and the angle theta, {printed_text} = {value}"
+    if value.free_symbols == {_angle}:
+        return agreement(text)
+    doubled = sympy.simplify(value.subs({_r1: 2 * _r1, _r2: 2 * _r2}, simultaneous=True) / value)
+    return Finding(False, "claim refuted", "not normalized", doubled, f"{text}: {doubled} times at twice the lengths")
 
 
 def compare_claim(printed: PrintedEquation) -> Finding:
@@ -93,7 +108,9 @@ def compare_claim(printed: PrintedEquation) -> Finding:
     if word == "infinite where cells degenerate":
         return _compare_degenerate(known)
     if word == "unfolded by the sum over inner nodes":
-        return _compare_inner_sum(known)
+        return compare_inner_sum(known)
+    if word == "minimizes each corner":
+        return compare_each(known)
     if word == "non-negative":
         return agreement("a square") if _is_bounded_below_by_zero(printed) else refutation("negative somewhere")
     return _compare_beyond_barrier(printed)
@@ -110,20 +127,6 @@ def _compare_degenerate(known: Functional) -> Finding:
     text = f"g1 = (t, 0), g2 = (0, t) has energy {shrinking} as t -> 0; g1 = (1, 0), g2 = (0, t) has {closing}"
     condition = "claim holds under a condition: the edges do not all shrink"
     return Finding(False, condition, "finite where shrinking", shrinking, text)
-
-
-def _compare_inner_sum(known: Functional) -> Finding:
-    """Decide whether the minimum of the sum over inner nodes is unfolded, on a grid of 3 x 3 nodes."""
-    found = inner_minimum(expand_metric(corner_model(known, "plain").energy))
-    at, valid = ("({:.3f}, {:.3f})".format(*place) for place in (found.place, found.valid_place))
-    text = (
-        f"on the unit square with 3 x 3 nodes, the lower middle one at (0.15, 0.5), its minimum is at {at} with energy "
-        f"{found.energy:.2f}, where a corner at a boundary node has J = {found.smallest:.3f}; at {valid} all corners "
-        f"have J >= {found.valid_smallest:.4f}"
-    )
-    if found.smallest > 0 or found.valid_smallest <= 0:
-        return agreement(text)
-    return Finding(False, "claim refuted", "folded at a boundary node", sympy.Float(found.smallest, 6), text)
 
 
 def _is_bounded_below_by_zero(printed: PrintedEquation) -> bool:

@@ -7,7 +7,8 @@ from typing import Any
 import sympy
 from sympy import Expr, Symbol
 
-from ...functionals import functional, functionals, is_builtin
+from ...errors import GridgenError
+from ...functionals import Functional, functional
 from ...functionals.paper import PRINTED, PrintedEquation
 from ..classify.principal_symbol import principal_symbol
 from ..coordinates import METRIC, SECOND_DERIVATIVES, J, expand_metric, s, x, x_eta, x_xi, y, y_eta, y_xi
@@ -27,18 +28,31 @@ def agreement(text: str = "") -> Finding:
 
 
 def _functionals_of_the_paper() -> tuple[str, ...]:
-    return tuple(name for name in functionals() if is_builtin(name))
+    return tuple(dict.fromkeys(printed.functional for printed in PRINTED if printed.functional))
 
 
 def compare_arguments(printed: PrintedEquation) -> Finding:
-    """Check that every density depends on the listed variables alone."""
+    """Ask the language which of the listed variables a density may name, and every density for others."""
     allowed = {read(name) for name in printed.expressions} | {s}
     for name in _functionals_of_the_paper():
         density = expand_metric(variant_density(functional(name), "differentiated"))
         strange = density.free_symbols - allowed - set(corner_model(functional(name)).parameters)
         if strange:
             return Finding(False, "differs", "other", sympy.S.Zero, f"the density of {name} depends on {strange}")
-    return agreement("every density depends on these alone, with s = s(x, y)")
+    missing = [name for name in printed.expressions if not _can_be_named(name)]
+    if missing:
+        names = ", ".join(missing)
+        text = f"a density cannot name {names}; the position enters through s = s(x, y) alone"
+        return Finding(True, f"holds without {names}", "only in part", sympy.S.Zero, text)
+    return agreement("a density may name each of these, and s = s(x, y)")
+
+
+def _can_be_named(name: str) -> bool:
+    """Return whether a density may depend on the variable of this name."""
+    try:
+        return read(name) in Functional("probe", f"{name}*J").expression().free_symbols
+    except GridgenError:
+        return False
 
 
 def compare_general(printed: PrintedEquation) -> Finding:

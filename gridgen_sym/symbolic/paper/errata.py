@@ -25,8 +25,11 @@ Nature = Literal[
     "negative weight",
     "multiple of the integral",
     "only where J > 0",
+    "only in part",
     "finite where shrinking",
     "folded at a boundary node",
+    "not normalized",
+    "of the sum only",
 ]
 
 
@@ -200,8 +203,9 @@ ERRATA = (
             r"Node $k$ runs over the $n$ internal nodes, and $i$ over the four cells around it: corners at boundary "
             r"nodes are in no sum. On $3 \times 3$ nodes of the unit square whose lower middle node is at "
             r"$(0.15, 0.5)$, the minimum of the Winslow sum has a corner with $J < 0$ at that node, although a valid "
-            r"grid with this boundary exists. The program sums over all corners of all cells; with "
-            r"`interior_only=True, keep_valid=False` it returns the paper's literal minimum."
+            r"grid with this boundary exists: the minimum of the sum over all corners is one. The program "
+            r"sums over all corners of all cells; with `interior_only=True, keep_valid=False` it returns the paper's "
+            r"literal minimum."
         ),
     ),
     Erratum(
@@ -214,6 +218,45 @@ ERRATA = (
             r"Both densities are of degree 0: they see the shape of a cell, and not its size. The cell with "
             r"$\mathbf g_1 = (t, 0)$ and $\mathbf g_2 = (0, t)$ is a square for every $t$, with $J = t^2 \to 0$ and "
             r"$\mathsf K = 2$. The value grows without bound where an edge keeps its length, or the angle closes."
+        ),
+    ),
+    Erratum(
+        "E12",
+        ("square",),
+        ("metric-length",),
+        (),
+        "g11 is the square of the length of g1",
+        (
+            r"$g_{11} = \mathbf g_1 \cdot \mathbf g_1$ grows with the length, but it is its square: the functional "
+            r"called Length sums squares of lengths. The length of a straight grid line does not depend on how its "
+            r"nodes are spread along it; the sum of the squares of its edges does, and is smallest where they are "
+            r"spread evenly."
+        ),
+    ),
+    Erratum(
+        "E13",
+        ("not normalized",),
+        ("metric-angle",),
+        ("4",),
+        "g12 is the cosine of the angle times both lengths: it is zero at right angles, and measures no other angle",
+        (
+            r"$g_{12} = |\mathbf g_1|\,|\mathbf g_2| \cos\theta$ changes with the lengths at the same angle $\theta$. "
+            r"Of two cells of one shape the larger has more orthogonality energy, by the fourth power of the size, and "
+            r"a cell whose edges shrink loses it without coming nearer to a right angle. "
+            r"$g_{12}/\sqrt{g_{11} g_{22}} = \cos\theta$ measures the angle."
+        ),
+    ),
+    Erratum(
+        "E14",
+        ("of the sum only",),
+        ("winslow-minimum", "modified-liao-minimum"),
+        (),
+        "the sum of the condition numbers is minimized, not the condition number of each corner",
+        (
+            r"What is smallest is the sum over the corners, and so the mean of $\mathsf K$. A single corner, the worst "
+            r"one too, may have a larger $\mathsf K$ than on another grid. If each $\mathsf K$ were at its minimum, "
+            r"then each $\mathsf K^2$ would be at its minimum on the same grid; the minima of Winslow and of modified "
+            r"Liao are different grids, because the square weighs the worst corners more."
         ),
     ),
 )

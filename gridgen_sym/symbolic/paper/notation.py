@@ -50,7 +50,7 @@ def _names() -> dict[str, Any]:
     half, spread = (g11 + g22) / 2, sympy.sqrt((g11 - g22) ** 2 + 4 * g12**2) / 2
     names: dict[str, Any] = {str(v): v for v in (x, y, xi, eta, s, *METRIC, *FIRST_DERIVATIVES, *SECOND_DERIVATIVES)}
     names |= {name: symbol(name) for name in ("k_A", "k_L", "k_O")}
-    names |= {"pi": sympy.pi, "A": _JACOBIAN, "G": metric, "g1": _JACOBIAN[:, 0], "g2": _JACOBIAN[:, 1]}
+    names |= {"pi": sympy.pi, "A": _JACOBIAN, "G": metric, "g1": _JACOBIAN[:, 0], "g2": _JACOBIAN[:, 1], "g21": g12}
     names |= {"lambda_1": half + spread, "lambda_2": half - spread}
     for node, position in _POSITIONS.items():
         place = sympy.Matrix([x, y]) + _JACOBIAN * sympy.Matrix(position)
@@ -69,6 +69,7 @@ def _functions(variant: Variant) -> Mapping[str, Callable[..., Any]]:
         "D_eta": lambda expression: total_derivative(expression, "eta", variant),
         "norm": lambda matrix: sympy.sqrt(sum(entry**2 for entry in matrix)),
         "det": lambda matrix: matrix.det(),
+        "matrix": lambda *entries: sympy.Matrix(2, 2, entries),
         "inverse": lambda matrix: matrix.adjugate() / matrix.det(),
         "transpose": lambda matrix: matrix.T,
         "dot": lambda first, second: first.dot(second),

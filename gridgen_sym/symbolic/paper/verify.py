@@ -14,6 +14,7 @@ from sympy import Expr
 from ...functionals.paper import PRINTED, Kind, PrintedEquation
 from . import claims, comparison
 from .errata import Finding, find_erratum
+from .interpolation import compare_interpolation
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +26,10 @@ class Verdict:
         agrees: whether it has the solutions of the derived equation (a factor does no harm), or of the other one of
             the pair, or the claim holds.
         status: `agrees`, `agrees up to sign`, `agrees up to a factor`, `agrees in exchanged order`,
-            `holds where J > 0`, `differs`, `claim refuted` or `claim holds under a condition: ...`.
+            `holds where J > 0`, `holds without ...` (variables), `differs`, `claim refuted` or
+            `claim holds under a condition: ...`.
         difference: printed minus derived, or the factor printed/derived where there is one; 0 for agreement.
-        erratum: the key of the known erratum, E1 to E11, or None.
+        erratum: the key of the known erratum, E1 to E14, or None.
         text: one line.
     """
 
@@ -63,6 +65,8 @@ _COMPARE: Mapping[Kind, Callable[[PrintedEquation], Finding]] = {
     "parameters": claims.compare_parameters,
     "classification": claims.compare_classification,
     "claim": claims.compare_claim,
+    "angle": claims.compare_angle,
+    "interpolation": compare_interpolation,
     "weight": claims.compare_weight,
 }
 
