@@ -6,12 +6,10 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
 
 from ..functionals.definition import Functional
-
-if TYPE_CHECKING:
-    from ..symbolic.coordinates import Variant
+from ..functionals.variant import Variant
+from ..functionals.variant import kernel_name as kernel_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +19,7 @@ class KernelFacts:
     Attributes:
         name: of the kernel, for example `winslow` or `area_frozen`: its files, and the prefix of its functions.
         functional: name of the functional.
-        variant: how the weight enters, or `regularized`.
+        variant: how the weight, fields and a target enter, or `regularized`; see `functionals.variant`.
         density: the formula, as text.
         digest: of the definition that everything was derived from.
         parameters: names of the parameters, in the order of the array that a kernel reads.
@@ -67,14 +65,10 @@ class KernelFacts:
         return cls(**data)
 
 
-def kernel_name(functional: str, variant: Variant) -> str:
-    """Return the name of the kernel of a functional in one variant: its files, and the prefix of its functions."""
-    return functional if variant == "plain" else f"{functional}_{variant}"
-
-
 def definition_digest(functional: Functional) -> str:
     """Return 16 hexadecimal digits that change with the definition. This loads SymPy."""
     import sympy
 
-    definition = (sympy.srepr(functional.expression()), functional.corner_factor, tuple(functional.parameters))
+    definition: tuple[object, ...] = sympy.srepr(functional.expression()), functional.corner_factor
+    definition = (*definition, tuple(functional.parameters), *tuple(functional.fields.items()))
     return hashlib.sha256(repr(definition).encode()).hexdigest()[:16]

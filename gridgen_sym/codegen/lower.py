@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import sympy
 from sympy import Expr, Symbol
 
-from ..symbolic.coordinates import ALONG, METRIC, REGULARIZATION
+from ..symbolic.coordinates import ALONG, DEFINITIONS
 from ..symbolic.definiteness import almost_everywhere
 from .kernel import Assignment, Program, reciprocal
 
@@ -16,16 +16,31 @@ from .kernel import Assignment, Program, reciprocal
 LARGEST_PRODUCT = 8
 
 
-def lower(name: str, inputs: Sequence[Symbol], parameters: Sequence[Symbol], outputs: Mapping[str, Expr]) -> Program:
+def lower(
+    name: str,
+    inputs: Sequence[Symbol],
+    parameters: Sequence[Symbol],
+    outputs: Mapping[str, Expr],
+    fields: Iterable[Symbol] = (),
+) -> Program:
     """Lower named expressions to straight-line arithmetic.
 
-    Metric symbols (and chi) are computed first, where they are needed; subexpressions that occur twice are
-    computed once; negative powers become one division; small powers become products.
+    Metric symbols (chi and those of a target, too) are computed first, where they are needed; subexpressions that
+    occur twice are computed once; negative powers become one division; small powers become products.
+
+    Args:
+        name: of the program.
+        inputs: its arguments.
+        parameters: of the functional.
+        outputs: what it computes, by name.
+        fields: inputs whose names are a user's: the components of declared fields and their derivatives.
     """
-    # A prefix keeps a user's parameter from having the name of a temporary or of a result.
-    renamed = {symbol: sympy.Symbol(f"parameter_{symbol.name}", real=True) for symbol in parameters}
+    # A prefix keeps a user's parameter, or field, from having the name of a temporary or of a result.
+    prefixed = {symbol: f"parameter_{symbol.name}" for symbol in parameters}
+    prefixed |= {symbol: f"field_{symbol.name}" for symbol in fields}
+    renamed = {symbol: sympy.Symbol(name, real=True) for symbol, name in prefixed.items()}
     outputs = {key: sympy.sympify(value).subs(renamed) for key, value in outputs.items()}
-    parameters = tuple(renamed.values())
+    parameters, inputs = (tuple(renamed.get(symbol, symbol) for symbol in given) for given in (parameters, inputs))
     # Each metric symbol is a name of its own, so its definition is one assignment and not expanded.
     definitions = _definitions(outputs.values(), set(inputs))
     wanted = [*(meaning.subs(renamed) for meaning in definitions.values()), *outputs.values()]
@@ -54,7 +69,7 @@ def lower(name: str, inputs: Sequence[Symbol], parameters: Sequence[Symbol], out
 def _definitions(expressions: Iterable[Expr], given: set[Symbol]) -> dict[Symbol, Expr]:
     """Return the definitions of the metric symbols that the expressions need, in order of evaluation."""
     needed = set().union(*(expression.free_symbols for expression in expressions)) - given
-    meanings = {**METRIC, **REGULARIZATION, **ALONG}
+    meanings = {**DEFINITIONS, **ALONG}
     for symbol in reversed(list(meanings)):
         if symbol in needed:
             needed |= meanings[symbol].free_symbols

@@ -12,12 +12,14 @@ from typing import Any, SupportsIndex
 
 from ..errors import GridgenError, quoted
 from .expression import name_instead_of
+from .field_kinds import KINDS, LOGICAL_SUFFIXES, PHYSICAL_SUFFIXES, components
 from .metric import RESERVED_NAMES
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 _PARAMETER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _LONGEST_NAME = 64  # Names of files and of C functions are made of it.
 _LARGEST_FACTOR = 1000
+_LONGEST_FIELD = 32
 
 
 def check_arguments(name: object, density: object, constraints: object, factor: object, description: object) -> None:
@@ -87,6 +89,49 @@ def parameters_of(density: Callable[..., Any]) -> dict[str, float]:
                 f"parameter {argument.name!r} of the density function {name!r} needs a number as its default value"
             )
     return {argument.name: _float(argument.default) for argument in arguments[1:]}
+
+
+def given_fields(name: str, fields: object, parameters: Mapping[str, float]) -> dict[str, str]:
+    """Return the declared fields of a functional, by name, with their kinds."""
+    if fields is None:
+        return {}
+    kinds = ", ".join(map(repr, KINDS))
+    if not isinstance(fields, Mapping):
+        raise GridgenError(
+            f"fields of functional {name!r} must map names to kinds, such as {{'M': 'symmetric'}}; "
+            f"came {quoted(fields)}"
+        )
+    taken = {*RESERVED_NAMES, *parameters}
+    for field, kind in fields.items():
+        if kind not in KINDS:
+            raise GridgenError(
+                f"the kind of field {quoted(field)} of functional {name!r} is {quoted(kind)}: use {kinds}"
+            )
+        if field == "s":
+            raise GridgenError(
+                f"functional {name!r} declares the field 's': that is the weight, which any density may name; give it "
+                "as weight="
+            )
+        if not isinstance(field, str) or not _PARAMETER.fullmatch(field) or keyword.iskeyword(field):
+            raise GridgenError(
+                f"{quoted(field)} cannot name a field of functional {name!r}: use letters, digits and _, with a letter "
+                "first"
+            )
+        if len(field) > _LONGEST_FIELD:
+            raise GridgenError(
+                f"the field {field[:20] + '...'!r} of functional {name!r} has {len(field)} letters: use at most "
+                f"{_LONGEST_FIELD}"
+            )
+        own = components(field, kind)
+        own = (*own, *(part + suffix for part in own for suffix in (*PHYSICAL_SUFFIXES, *LOGICAL_SUFFIXES)))
+        for one in own:
+            if one in taken:
+                raise GridgenError(
+                    f"the field {field!r} of functional {name!r} brings the name {one!r}, which means something else "
+                    "already: give the field another name"
+                )
+        taken |= {*own, field}
+    return dict(fields)
 
 
 def _float(value: Real) -> float:

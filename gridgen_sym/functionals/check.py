@@ -11,7 +11,8 @@ import numpy as np
 from ..arrays import Array
 from ..errors import GridgenError, shortened
 from .expression import FUNCTION_NAMES, LARGEST_EXPONENT
-from .metric import DENSITY_NAMES, WEIGHT_NAME, symbol, sympy_functions
+from .field_kinds import components, typical_values
+from .metric import DENSITY_NAMES, SHAPE_NAMES, symbol, sympy_functions
 from .smoothness import rough_part
 
 if TYPE_CHECKING:
@@ -42,21 +43,27 @@ def check_density(functional: Functional) -> None:
 
 
 def _check_symbols(functional: Functional, density: sympy.Expr) -> None:
-    known = {symbol(name) for name in (*DENSITY_NAMES, *functional.parameters)}
+    known = {symbol(name) for name in (*DENSITY_NAMES, *functional.components, *functional.parameters)}
     unknown = sorted(str(s) for s in density.free_symbols - known)
     if unknown:
         raise GridgenError(
             f"the density of functional {functional.name!r} uses the unknown symbol {unknown[0]!r}: write it in "
-            f"{', '.join(DENSITY_NAMES)}, or declare it as a parameter with a default value"
+            f"{', '.join((*DENSITY_NAMES, *functional.components))}, or declare it as a parameter with a default "
+            "value, or as a field"
         )
     unused = [name for name in functional.parameters if symbol(name) not in density.free_symbols]
     if unused:
         raise GridgenError(
             f"parameter {unused[0]!r} of functional {functional.name!r} is never used: drop it or use it"
         )
-    if not any(symbol(name) in density.free_symbols for name in DENSITY_NAMES if name != WEIGHT_NAME):
+    used = {str(one) for one in density.free_symbols}
+    for name, kind in functional.fields.items():
+        if used.isdisjoint(components(name, kind)):
+            raise GridgenError(f"field {name!r} of functional {functional.name!r} is never used: drop it or use it")
+    if used.isdisjoint(SHAPE_NAMES):
         raise GridgenError(
-            f"the density of functional {functional.name!r} is {density}: it does not depend on the grid"
+            f"the density of functional {functional.name!r} is {density}: it does not depend on the shape of cells; "
+            "name the metric, such as J"
         )
 
 
@@ -91,6 +98,7 @@ def _check_value(functional: Functional, density: sympy.Expr, corner: tuple[int,
     import sympy
 
     values = {name: complex(value) for name, value in sample_values(corner)}
+    values |= {symbol(name): complex(value) for name, value in typical_values(functional.fields).items()}
     values |= {symbol(name): complex(default) for name, default in functional.parameters.items()}
     try:
         number = complex(sympy.lambdify(list(values), density, [_COMPLEX_FUNCTIONS])(*values.values()))
@@ -100,14 +108,21 @@ def _check_value(functional: Functional, density: sympy.Expr, corner: tuple[int,
     if abs(number.imag) > 1e-12 * abs(number) or not abs(number) < float("inf"):
         raise GridgenError(
             f"the density of functional {functional.name!r} is {came} on the valid corner with edge vectors "
-            f"g1 = {corner[:2]}, g2 = {corner[2:]}, s = 1: it must be real and finite wherever J > 0"
+            f"g1 = {corner[:2]}, g2 = {corner[2:]}{_at(functional)}: it must be real and finite wherever J > 0"
         )
+
+
+def _at(functional: Functional) -> str:
+    """Return the values of what else the density names, for a message."""
+    used = functional.expression().free_symbols
+    values = typical_values(functional.fields)
+    return "".join(f", {name} = {value:g}" for name, value in values.items() if symbol(name) in used)
 
 
 def _check_derivatives(functional: Functional, density: sympy.Expr) -> None:
     """Refuse a density without derivatives in a whole region, such as the root of max(0, .); a kink is allowed."""
     corners = _random_corners()
-    rough = rough_part(density, corners, functional.parameters)
+    rough = rough_part(density, corners, dict(functional.parameters) | typical_values(functional.fields))
     if rough is None:
         return
     a, b, c, d = corners[:, rough.corners.argmax()]
@@ -138,5 +153,6 @@ def sample_values(corner: tuple[int, int, int, int]) -> Iterator[tuple[Any, Any]
         "g11": x_xi**2 + y_xi**2, "g22": x_eta**2 + y_eta**2, "g12": x_xi * x_eta + y_xi * y_eta,
         "J": x_xi * y_eta - x_eta * y_xi,
     }  # fmt: skip
+    values |= {"t11": values["g11"], "t22": values["g22"], "t12": values["g12"], "tau": values["J"]}
     for name, value in values.items():
         yield symbol(name), value

@@ -9,6 +9,7 @@ from typing import Any
 from ..errors import GridgenError, quoted
 from ..parsing import number_in
 from . import expression
+from .field_kinds import all_components
 from .metric import DENSITY_NAMES, symbol, symbolic_metric, sympy_functions
 
 Density = Callable[..., Any]
@@ -25,7 +26,8 @@ class Functional:
         corner_factor: the discrete corner energy is `corner_factor` times the density of the corner's
             edge vectors (the paper's factor ½ is in its integrals and not in its sums).
         parameters: names and default values of the numbers that a user may set at every solve.
-        constraints: comparisons that the parameters must meet, such as `"k >= 0"`.
+        constraints: comparisons that the parameters must meet, such as `"k >= 0"`, or the components of fields.
+        fields: names and kinds (`scalar`, `vector`, `symmetric`, `matrix`) of the fields that the density names.
         description: one sentence for lists.
         reference: where it comes from.
         use_when: when to choose it, in Markdown, for its page.
@@ -37,10 +39,16 @@ class Functional:
     corner_factor: int = 1
     parameters: Mapping[str, float] = field(default_factory=dict)
     constraints: tuple[str, ...] = ()
+    fields: Mapping[str, str] = field(default_factory=dict)
     description: str = ""
     reference: str = ""
     use_when: str = ""
     avoid_when: str = ""
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """The names of the components of the fields, such as M11, M12, M22."""
+        return all_components(self.fields)
 
     def expression(self) -> Any:  # noqa: ANN401 - a SymPy expression; SymPy is not imported here
         """Return the density as a SymPy expression in the symbols of the metric and the parameters.
@@ -52,7 +60,8 @@ class Functional:
 
         parameters = {name: symbol(name) for name in self.parameters}
         if isinstance(self.density, str):
-            names = {name: symbol(name) for name in DENSITY_NAMES} | parameters | {"pi": sympy.pi}
+            known = (*DENSITY_NAMES, *self.components)
+            names = {name: symbol(name) for name in known} | parameters | {"pi": sympy.pi}
             density = expression.evaluate(self.density, names, sympy_functions(), sympy.Rational)
         else:
             density = self._call(parameters)
@@ -73,7 +82,7 @@ class Functional:
         density = self.density
         assert not isinstance(density, str)
         try:
-            return density(symbolic_metric(), **parameters)
+            return density(symbolic_metric(self.components), **parameters)
         except GridgenError:
             raise
         except Exception as error:  # The function is the user's: anything may come.
@@ -107,6 +116,8 @@ class Functional:
             if not abs(merged[name]) < float("inf"):
                 raise GridgenError(f"parameter {name!r} of functional {self.name!r} is {value}: give a finite number")
         for constraint in self.constraints:
+            if expression.names_in(constraint) & {*self.components}:
+                continue  # It is met by the values of fields, which are checked where they are evaluated.
             if not expression.holds(constraint, merged):
                 came = ", ".join(f"{name} = {value:g}" for name, value in merged.items())
                 raise GridgenError(f"functional {self.name!r} needs {constraint}; came {came}")

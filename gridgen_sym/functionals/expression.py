@@ -112,6 +112,11 @@ def comparisons(
     )
 
 
+def names_in(text: str) -> set[str]:
+    """Return the words of a text: the names and functions that it may contain."""
+    return set(_WORD.findall(text))
+
+
 def name_instead_of(word: str) -> str:
     """Return a usable name in the place of a word of Python; the usual letter of a multiplier is one."""
     return "lambda_ or lam" if word == "lambda" else f"{word.lower()}_"

@@ -16,14 +16,23 @@ if TYPE_CHECKING:
 DERIVATIVE_NAMES = ("x_xi", "y_xi", "x_eta", "y_eta")
 #: g11 = g1.g1, g22 = g2.g2, g12 = g1.g2 and the Jacobian J = x_xi*y_eta - x_eta*y_xi.
 METRIC_NAMES = ("g11", "g22", "g12", "J")
+#: The same of T = A W⁻¹, with A the Jacobian matrix and W the target; of A itself where there is no target.
+TARGET_NAMES = ("t11", "t22", "t12", "tau")
+#: What depends on the grid's shape: a density must name one of these.
+SHAPE_NAMES = (*METRIC_NAMES, *DERIVATIVE_NAMES, *TARGET_NAMES)
 #: The weight (adaptive function of the paper) at the point, s(x, y).
 WEIGHT_NAME = "s"
-#: Everything that a density may be written in.
-DENSITY_NAMES = (*METRIC_NAMES, WEIGHT_NAME, *DERIVATIVE_NAMES)
+#: The place in the plane, and in the logical square [0, 1]².
+POSITION_NAMES, LOGICAL_NAMES = ("x", "y"), ("xi", "eta")
+#: Everything that any density may be written in; declared fields come to it.
+DENSITY_NAMES = (*METRIC_NAMES, WEIGHT_NAME, *DERIVATIVE_NAMES, *POSITION_NAMES, *LOGICAL_NAMES, *TARGET_NAMES)
+#: The inverse of the target, V = W⁻¹, row by row.
+INVERSE_TARGET_NAMES = ("V11", "V12", "V21", "V22")
 #: Names that derivations use, so that a parameter cannot have them.
 RESERVED_NAMES = frozenset(
     (
-        *(*DENSITY_NAMES, *FUNCTION_NAMES, "pi", "x", "y", "xi", "eta", "epsilon", "root", "chi", "k1", "k2", "D"),
+        *(*DENSITY_NAMES, *INVERSE_TARGET_NAMES, *FUNCTION_NAMES, "pi", "epsilon", "root", "chi", "k1", "k2", "D"),
+        *(f"{name}_{suffix}" for name in INVERSE_TARGET_NAMES for suffix in ("xi", "eta")),
         *(f"s_{suffix}" for suffix in ("x", "y", "xx", "xy", "yy", "xi", "eta")),
         *(f"{r}_{suffix}" for r in "xy" for suffix in ("xixi", "xieta", "etaeta")),
     )
@@ -31,17 +40,17 @@ RESERVED_NAMES = frozenset(
 
 
 class Metric:
-    """What a density may use: `m.g11`, `m.g22`, `m.g12`, `m.J`, `m.s`, `m.x_xi` ... and functions.
+    """What a density may use: `m.g11`, `m.g22`, `m.g12`, `m.J`, `m.s`, `m.x_xi` ..., declared fields, and functions.
 
     Every attribute is a real SymPy symbol; the functions of `expression.FUNCTION_NAMES` are there
     too (`m.sqrt`, `m.exp`, ...), so that a file of functionals needs no import of SymPy.
     """
 
-    __slots__ = ("_values",)
+    __slots__ = ("_fields", "_values")
 
-    def __init__(self, values: dict[str, Any]) -> None:
-        """Hold the values of the names."""
-        self._values = values
+    def __init__(self, values: dict[str, Any], fields: tuple[str, ...] = ()) -> None:
+        """Hold the values of the names; `fields` are those of the components of declared fields."""
+        self._values, self._fields = values, fields
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - a SymPy symbol or function
         """Return the symbol or function `name`."""
@@ -51,8 +60,9 @@ class Metric:
             return self._values[name]
         except KeyError:
             raise GridgenError(
-                f"a density cannot use m.{name}: the metric has only {', '.join(DENSITY_NAMES)} "
-                f"and the functions {', '.join(FUNCTION_NAMES)}"
+                f"a density cannot use m.{name}: the metric has only {', '.join((*DENSITY_NAMES, *self._fields))} "
+                f"and the functions {', '.join(FUNCTION_NAMES)}; a field is declared by define(..., "
+                f"fields={{{name!r}: 'scalar'}})"
             ) from None
 
 
@@ -71,11 +81,11 @@ def sympy_functions() -> dict[str, Any]:
     return {name: sympy.Abs if name == "abs" else getattr(sympy, name) for name in FUNCTION_NAMES}
 
 
-@lru_cache(maxsize=1)
-def symbolic_metric() -> Metric:
-    """Return the metric whose attributes are SymPy symbols."""
+@lru_cache(maxsize=16)
+def symbolic_metric(fields: tuple[str, ...] = ()) -> Metric:
+    """Return the metric whose attributes are SymPy symbols, with those of the components of declared fields."""
     functions = {name: _of_one_argument(function) for name, function in sympy_functions().items()}
-    return Metric({name: symbol(name) for name in DENSITY_NAMES} | functions)
+    return Metric({name: symbol(name) for name in (*DENSITY_NAMES, *fields)} | functions, fields)
 
 
 def _of_one_argument(function: Callable[[Any], Any]) -> Callable[[Any], Any]:

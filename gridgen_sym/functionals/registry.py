@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 
 from ..errors import GridgenError, quoted
-from .arguments import check_arguments, check_parameter_names, given_parameters, parameters_of
+from .arguments import check_arguments, check_parameter_names, given_fields, given_parameters, parameters_of
 from .check import check_density
 from .definition import Density, Functional
 
@@ -44,6 +44,7 @@ def builtin(
     *,
     corner_factor: int = 1,
     constraints: tuple[str, ...] = (),
+    fields: Mapping[str, str] | None = None,
     reference: str = "",
     use_when: str = "",
     avoid_when: str = "",
@@ -57,6 +58,7 @@ def builtin(
             corner_factor=corner_factor,
             parameters=parameters_of(density),
             constraints=constraints,
+            fields=dict(fields or {}),
             description=(density.__doc__ or "").strip(),
             reference=reference,
             use_when=use_when,
@@ -74,6 +76,7 @@ def define(
     *,
     parameters: Mapping[str, float] | None = None,
     constraints: tuple[str, ...] = (),
+    fields: Mapping[str, str] | None = None,
     corner_factor: int = 1,
     description: str = "",
     replace: bool = False,
@@ -86,7 +89,11 @@ def define(
             text, for example `"(g11 + g22)/J + k*g12**2"`.
         parameters: default values, for a density given as text.
         constraints: comparisons that the parameters must meet, such as `("k >= 0",)` or `("0 < k < 1",)`. What is
-            derived, such as polyconvexity, is decided for the parameters that they allow.
+            derived, such as polyconvexity, is decided for the parameters that they allow. They may name components of
+            fields, too, such as `"p > 0"` of a scalar p.
+        fields: what the density names beside the metric, the place and the weight, by name: `scalar` (p),
+            `vector` (v1, v2), `symmetric` (M11, M12, M22: a positive definite matrix) or `matrix` (B11, B12, B21,
+            B22). Their values are given at a solve, as `fields={"M": ...}`.
         corner_factor: factor of the discrete corner energy over the density.
         description: one sentence for lists.
         replace: allow a functional that was defined at run time to be defined again.
@@ -108,7 +115,15 @@ def define(
             )
         parameters = parameters_of(density)
         description = description or (density.__doc__ or "").strip().split("\n")[0]
-    new = Functional(name, density, operator.index(corner_factor), parameters, tuple(constraints), description)
+    new = Functional(
+        name,
+        density,
+        operator.index(corner_factor),
+        parameters,
+        tuple(constraints),
+        given_fields(name, fields, parameters),
+        description,
+    )
     check_parameter_names(name, parameters)
     new.values(parameters)
 

@@ -72,7 +72,7 @@ def rough_part(
     Args:
         density: in the symbols of the metric and the parameters.
         corners: edge vectors (x_xi, y_xi, x_eta, y_eta), shape (4, n).
-        parameters: values of the parameters.
+        parameters: values of the parameters, and of what else the density names.
         weight: values of s, n of them or one for all.
     """
     import sympy
@@ -100,7 +100,9 @@ def _metric_jets(corners: Array) -> Iterator[tuple[str, Jet]]:
     a, b, c, d = (Jet(value, slope, zero) for value, slope in zip(corners, direction, strict=True))
     yield from zip(("x_xi", "y_xi", "x_eta", "y_eta"), (a, b, c, d), strict=True)
     yield from (("g11", a * a + b * b), ("g22", c * c + d * d), ("g12", a * c + b * d))
-    yield "J", a * d + _constant(-1.0, corners) * b * c
+    jacobian = a * d + _constant(-1.0, corners) * b * c
+    yield from (("J", jacobian), ("tau", jacobian))
+    yield from (("t11", a * a + b * b), ("t22", c * c + d * d), ("t12", a * c + b * d))
 
 
 def _constant(value: Array | float, corners: Array) -> Jet:

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array, Mask
 from ..errors import GridgenError
+from ..functionals.variant import Variant
 from .block import Block
 from .threads import threads_for
 from .values import Values
-
-if TYPE_CHECKING:
-    from ..symbolic.coordinates import Variant
-
 
 #: Number of planes of the stored half of the Hessian, and of the Jacobian of the Euler-Lagrange residual.
 HESSIAN_PLANES, JACOBIAN_PLANES = 19, 36
@@ -34,7 +31,7 @@ class KernelSet:
 
     Attributes:
         functional: its name.
-        variant: how the weight enters, or `regularized`.
+        variant: how the weight, fields and a target enter, or `regularized`.
         backend: name of what runs them.
         barrier: whether the energy is infinite where J = 0.
         equation_type: type of the Euler-Lagrange equations where J > 0, `elliptic` or what they are instead.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +11,10 @@ from ..codegen.backend import Function, find_backend
 from ..codegen.facts import KernelFacts
 from ..errors import GridgenError, quoted
 from ..functionals.definition import Functional
+from ..functionals.variant import Variant
 from .backend import choose_backend
 from .kernel_set import KernelSet
 from .sources import find_sources
-
-if TYPE_CHECKING:
-    from ..symbolic.coordinates import Variant
 
 
 def kernels(
@@ -30,7 +27,7 @@ def kernels(
 
     Args:
         functional: what to evaluate.
-        variant: how the weight enters, or `regularized` (then `parameters` must have `epsilon`).
+        variant: how the weight, fields and a target enter, or `regularized` (then `parameters` must have `epsilon`).
         parameters: values of the functional's parameters; defaults for those left out.
         backend: `c`, `numpy` or the name of another; by default GRIDGEN_SYM_BACKEND, else C where there is a compiler.
 

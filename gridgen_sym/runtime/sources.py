@@ -7,18 +7,15 @@ import secrets
 import sys
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..codegen.backend import Backend
 from ..codegen.facts import definition_digest, kernel_name
 from ..functionals import is_builtin
 from ..functionals.definition import Functional
+from ..functionals.variant import Variant
 from ..messages import report
 from ..resources import resource_folder
 from . import cache
-
-if TYPE_CHECKING:
-    from ..symbolic.coordinates import Variant
 
 
 def find_sources(functional: Functional, variant: Variant, backend: Backend) -> tuple[Path, Path]:

@@ -1,9 +1,9 @@
-"""The values that the constraints of a functional allow its parameters: at these, and no others, it is judged."""
+"""The values that a functional allows its parameters and fields: at these, and no others, it is judged."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from sympy import Expr, Symbol
 from ..arrays import Array
 from ..functionals.definition import Functional
 from ..functionals.expression import comparisons
+from ..functionals.field_kinds import TYPICAL, components
 from ..functionals.metric import symbol
 
 #: A random value that is not admissible is moved toward the default, half of the way each time, so often.
@@ -21,20 +22,36 @@ _HALVINGS = 20
 
 @dataclass(frozen=True, slots=True)
 class Admissible:
-    """The admissible values of parameters, among them the defaults.
+    """The admissible values of parameters, among them the defaults, and those of the components of fields.
 
     Attributes:
-        defaults: the default value of every parameter.
+        defaults: the default value of every parameter; a typical one of the components of scalars and vectors.
         inequalities: expressions that must not be negative, and whether they must be positive.
         equalities: expressions that must be zero.
+        matrices: the components of matrices, in symbols in which they may take all their values, and no others.
     """
 
     defaults: dict[Symbol, float]
     inequalities: tuple[tuple[Expr, bool], ...] = ()
     equalities: tuple[Expr, ...] = ()
+    matrices: dict[Symbol, Expr] = field(default_factory=dict)
 
     def sample(self, random: np.random.Generator, count: int) -> dict[Symbol, Array]:
-        """Return `count` random admissible values of every parameter, of many sizes; a frozen one keeps its default."""
+        """Return `count` random admissible values of every parameter and component, of many sizes.
+
+        A parameter of an equality that cannot be solved keeps its default.
+        """
+        return self._sample_defaults(random, count) | self._sample_matrices(random, count)
+
+    def _sample_matrices(self, random: np.random.Generator, count: int) -> dict[Symbol, Array]:
+        inner = sorted({t for e in self.matrices.values() for t in e.free_symbols}, key=sympy.default_sort_key)
+        values = random.normal(size=(len(inner), count))
+        for row, variable in zip(values, inner, strict=True):
+            if variable.is_positive:
+                np.abs(row, out=row)
+        return {m: sympy.lambdify(inner, e, "numpy")(*values) for m, e in self.matrices.items()}
+
+    def _sample_defaults(self, random: np.random.Generator, count: int) -> dict[Symbol, Array]:
         given, frozen = self._eliminated()
         free = [p for p in self.defaults if p not in given and p not in frozen]
         start = np.array([self.defaults[p] for p in free]).reshape(-1, 1)
@@ -53,7 +70,8 @@ class Admissible:
         """Return what may stand for parameters, in symbols that are nowhere negative, as far as constraints are linear.
 
         All admissible values are met, and perhaps others: what is proved for these symbols is proved for the
-        parameters. `k > 2` gives k = 2 + t; `0 < k < 1` gives k = t/(1 + t); `a + b == 1` gives a = 1 - b.
+        parameters. `k > 2` gives k = 2 + t; `0 < k < 1` gives k = t/(1 + t); `a + b == 1` gives a = 1 - b. The
+        components of a positive definite matrix are those of a product of triangular ones.
         """
         replaced, _ = self._eliminated()
         symbols: list[Symbol] = []
@@ -69,7 +87,12 @@ class Admissible:
             replaced |= {p: e for p, e in change.items() if p in self.defaults}
             new = {t for e in change.values() for t in e.free_symbols if t not in self.defaults}
             symbols = [*(t for t in symbols if t not in change), *(new - set(symbols))]
-        return replaced
+        return replaced | self.matrices
+
+    def of_fields(self, functional: Functional) -> dict[Symbol, Expr]:
+        """Return what may stand for the components of fields, as `substitution` does."""
+        names = {*functional.components}
+        return {p: e for p, e in self.substitution().items() if str(p) in names}
 
     def _eliminated(self) -> tuple[dict[Symbol, Expr], set[Symbol]]:
         """Return parameters that equalities give by the others, and those of equalities that cannot be solved."""
@@ -107,13 +130,36 @@ def admissible(functional: Functional) -> Admissible:
     Raises:
         GridgenError: if a constraint is not a comparison of arithmetic in the parameters.
     """
-    names = {name: symbol(name) for name in functional.parameters}
+    values: dict[str, float] = dict(functional.parameters)
+    matrices: dict[Symbol, Expr] = {}
+    for name, kind in functional.fields.items():
+        own = components(name, kind)
+        if kind in ("scalar", "vector"):
+            values |= dict(zip(own, TYPICAL[kind], strict=True))
+        else:
+            matrices |= dict(zip(map(symbol, own), _MATRICES[kind](), strict=True))
+    names = {name: symbol(name) for name in values}
     signed = list(_signed(functional, names))
     return Admissible(
-        {names[name]: float(value) for name, value in functional.parameters.items()},
+        {names[name]: float(value) for name, value in values.items()},
         tuple((expression, sign == ">") for expression, sign in signed if sign != "=="),
         tuple(expression for expression, sign in signed if sign == "=="),
+        matrices,
     )
+
+
+def _positive_definite() -> tuple[Expr, ...]:
+    """Return the components 11, 12, 22 of L Lᵗ, with L a triangular matrix with a positive diagonal."""
+    a, d = sympy.Dummy("a", positive=True), sympy.Dummy("d", positive=True)
+    b = sympy.Dummy("b", real=True)
+    return a**2, a * b, b**2 + d**2
+
+
+def _any_matrix() -> tuple[Expr, ...]:
+    return tuple(sympy.Dummy(name, real=True) for name in "abcd")
+
+
+_MATRICES: Mapping[str, Callable[[], tuple[Expr, ...]]] = {"symmetric": _positive_definite, "matrix": _any_matrix}
 
 
 def _signed(functional: Functional, names: dict[str, Symbol]) -> Iterator[tuple[Expr, str]]:

@@ -10,16 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Literal
 
 import sympy
 from sympy import Expr, Symbol
 
-from ..functionals.metric import DERIVATIVE_NAMES, symbol
-
-#: How a weight s(x, y) enters: absent; held at the nodes; differentiated through; or no weight and the
-#: barrier regularized (J replaced by chi(J) = (J + sqrt(J² + epsilon²))/2).
-Variant = Literal["plain", "frozen", "differentiated", "regularized"]
+from ..functionals.metric import DERIVATIVE_NAMES, INVERSE_TARGET_NAMES, TARGET_NAMES, symbol
+from ..functionals.variant import Variant as Variant
 
 x, y, xi, eta = (symbol(name) for name in ("x", "y", "xi", "eta"))
 x_xi, y_xi, x_eta, y_eta = (symbol(name) for name in DERIVATIVE_NAMES)
@@ -53,60 +49,106 @@ REGULARIZATION: Mapping[Symbol, Expr] = {
     chi: sympy.Piecewise(((J + root) / 2, J > 0), (epsilon**2 / (2 * (root - J)), True)),
 }
 
-#: A direction in which derivatives are taken: how the edge vectors and (where the weight is differentiated) the
+#: The inverse of a target, V = W⁻¹, and the metric of T = A V as a density names it.
+V11, V12, V21, V22 = (symbol(name) for name in INVERSE_TARGET_NAMES)
+NAMED_TARGET_METRIC = tuple(symbol(name) for name in TARGET_NAMES)
+#: The components of T = A V, in the order of `FIRST_DERIVATIVES`, and its metric, in that of `METRIC`.
+TARGET_DERIVATIVES = tuple(symbol(f"target_{name}") for name in DERIVATIVE_NAMES)
+TARGET_METRIC = tuple(symbol(f"target_{name}") for name in ("g11", "g22", "g12", "J"))
+_t_x_xi, _t_y_xi, _t_x_eta, _t_y_eta = TARGET_DERIVATIVES
+_t_g11, _t_g22, _t_g12, _t_jacobian = TARGET_METRIC
+#: What they stand for.
+TARGET: Mapping[Symbol, Expr] = {
+    _t_x_xi: V11 * x_xi + V21 * x_eta,
+    _t_y_xi: V11 * y_xi + V21 * y_eta,
+    _t_x_eta: V12 * x_xi + V22 * x_eta,
+    _t_y_eta: V12 * y_xi + V22 * y_eta,
+    _t_g11: _t_x_xi**2 + _t_y_xi**2,
+    _t_g22: _t_x_eta**2 + _t_y_eta**2,
+    _t_g12: _t_x_xi * _t_x_eta + _t_y_xi * _t_y_eta,
+    _t_jacobian: (V11 * V22 - V12 * V21) * J,
+}
+#: The metric of T in that of A: it is linear in it.
+TARGET_IN_METRIC: Mapping[Symbol, Expr] = {
+    _t_g11: V11**2 * g11 + 2 * V11 * V21 * g12 + V21**2 * g22,
+    _t_g22: V12**2 * g11 + 2 * V12 * V22 * g12 + V22**2 * g22,
+    _t_g12: V11 * V12 * g11 + (V11 * V22 + V12 * V21) * g12 + V21 * V22 * g22,
+    _t_jacobian: TARGET[_t_jacobian],
+}
+#: Every symbol that stands for something, each after those that it is made of.
+DEFINITIONS: Mapping[Symbol, Expr] = {**METRIC, **REGULARIZATION, **TARGET}
+#: Those whose second derivative in the edge vectors, where it is that of a determinant, is not semidefinite.
+DETERMINANTS = (J, chi, _t_jacobian)
+
+#: A direction in which derivatives are taken: how the edge vectors and (where values move with the nodes) the
 #: position move.
 DIRECTION = tuple(symbol(f"v_{p}") for p in DERIVATIVE_NAMES)
 POSITION_DIRECTION = v_x, v_y = symbol("v_x"), symbol("v_y")
 
-#: How the metric symbols, and those of the regularized barrier, move along the direction.
-METRIC_ALONG: Mapping[Symbol, Symbol] = {m: symbol(f"along_{m}") for m in (*METRIC, root, chi)}
-_v_x_xi, _v_y_xi, _v_x_eta, _v_y_eta = DIRECTION
-ALONG: Mapping[Symbol, Expr] = {
-    METRIC_ALONG[g11]: 2 * (x_xi * _v_x_xi + y_xi * _v_y_xi),
-    METRIC_ALONG[g22]: 2 * (x_eta * _v_x_eta + y_eta * _v_y_eta),
-    METRIC_ALONG[g12]: x_xi * _v_x_eta + x_eta * _v_x_xi + y_xi * _v_y_eta + y_eta * _v_y_xi,
-    METRIC_ALONG[J]: x_xi * _v_y_eta + y_eta * _v_x_xi - x_eta * _v_y_xi - y_xi * _v_x_eta,
-    METRIC_ALONG[root]: J / root * METRIC_ALONG[J],
-    METRIC_ALONG[chi]: chi / root * METRIC_ALONG[J],
-}
+#: How the symbols of `DEFINITIONS` move along the direction.
+METRIC_ALONG: Mapping[Symbol, Symbol] = {m: symbol(f"along_{m}") for m in DEFINITIONS}
 
 
 def expand_metric(expression: Expr) -> Expr:
-    """Return the expression with the metric (and chi) written out in the derivatives of the map."""
-    return expression.subs(REGULARIZATION).subs(REGULARIZATION).subs(METRIC)
+    """Return the expression with the symbols of `DEFINITIONS` written out in the derivatives of the map."""
+    for definitions in (TARGET, TARGET, REGULARIZATION, REGULARIZATION, METRIC):
+        expression = expression.subs(definitions)
+    return expression
 
 
-@lru_cache(maxsize=256)
-def metric_gradient(m: Symbol) -> tuple[Expr, ...]:
-    """Return the derivatives of a metric symbol with respect to `FIRST_DERIVATIVES`.
+def differentiate(expression: Expr, variable: Symbol) -> Expr:
+    """Differentiate in a symbol that stands for nothing else, through those of `DEFINITIONS`."""
+    result = sympy.diff(expression, variable)
+    for m in DEFINITIONS:
+        if m in expression.free_symbols:
+            slope = definition_slope(m, variable)
+            if slope != 0:
+                result += sympy.diff(expression, m) * slope
+    return result
+
+
+@lru_cache(maxsize=1024)
+def definition_slope(m: Symbol, variable: Symbol) -> Expr:
+    """Return the derivative of what a symbol of `DEFINITIONS` stands for.
 
     `chi` has chi'(J) = chi/root; `root` has J/root.
     """
     if m == chi:
-        return tuple(chi / root * entry for entry in metric_gradient(J))
+        return chi / root * definition_slope(J, variable)
     if m == root:
-        return tuple(J / root * entry for entry in metric_gradient(J))
-    return tuple(sympy.diff(METRIC[m], p) for p in FIRST_DERIVATIVES)
+        return J / root * definition_slope(J, variable)
+    return differentiate(DEFINITIONS[m], variable)
 
 
-def differentiate_along(expression: Expr) -> Expr:
-    """Differentiate along `DIRECTION`, through the metric symbols and the weight, which moves with the position."""
-    moves = {
-        **dict(zip(FIRST_DERIVATIVES, DIRECTION, strict=True)),
-        **METRIC_ALONG,
-        s: s_x * v_x + s_y * v_y,
-        s_x: s_xx * v_x + s_xy * v_y,
-        s_y: s_xy * v_x + s_yy * v_y,
-    }
-    terms = (sympy.diff(expression, v) * moves[v] for v in moves if v in expression.free_symbols)
+@lru_cache(maxsize=256)
+def metric_gradient(m: Symbol) -> tuple[Expr, ...]:
+    """Return the derivatives of a symbol of `DEFINITIONS` with respect to `FIRST_DERIVATIVES`."""
+    return tuple(definition_slope(m, p) for p in FIRST_DERIVATIVES)
+
+
+def _definition_along(m: Symbol) -> Expr:
+    """Return how a symbol of `DEFINITIONS` moves along the direction, in how those that it is made of move."""
+    if m in REGULARIZATION:
+        return (chi if m == chi else J) / root * METRIC_ALONG[J]
+    moves = {**dict(zip(FIRST_DERIVATIVES, DIRECTION, strict=True)), **METRIC_ALONG}
+    meaning = DEFINITIONS[m]
+    terms = (sympy.diff(meaning, v) * moves[v] for v in moves if v in meaning.free_symbols)
     return sum(terms, sympy.S.Zero)
 
 
-def differentiate(expression: Expr, variable: Symbol) -> Expr:
-    """Differentiate with respect to one of `FIRST_DERIVATIVES`, through the metric symbols."""
-    k = FIRST_DERIVATIVES.index(variable)
-    result = sympy.diff(expression, variable)
-    for m in (*METRIC, *REGULARIZATION):
-        if m in expression.free_symbols:
-            result += sympy.diff(expression, m) * metric_gradient(m)[k]
-    return result
+#: What the symbols of `METRIC_ALONG` stand for.
+ALONG: Mapping[Symbol, Expr] = {METRIC_ALONG[m]: _definition_along(m) for m in DEFINITIONS}
+
+
+def differentiate_along(expression: Expr, moving: Mapping[Symbol, tuple[Expr, Expr]] | None = None) -> Expr:
+    """Differentiate along `DIRECTION`, through the symbols of `DEFINITIONS`.
+
+    Args:
+        expression: of the symbols of the metric and of values.
+        moving: the derivatives in x and y of values that move with the position, which then moves along
+            `POSITION_DIRECTION`.
+    """
+    moves: dict[Symbol, Expr] = {**dict(zip(FIRST_DERIVATIVES, DIRECTION, strict=True)), **METRIC_ALONG}
+    moves |= {value: along_x * v_x + along_y * v_y for value, (along_x, along_y) in (moving or {}).items()}
+    terms = (sympy.diff(expression, v) * moves[v] for v in moves if v in expression.free_symbols)
+    return sum(terms, sympy.S.Zero)

@@ -59,7 +59,8 @@ def semidefinite(
         return refuted
     if is_high(matrix):
         return Definiteness(holds=True, proof="sampled")
-    rational, _ = without_functions(_in_frame(matrix).subs(parameters.substitution()))
+    framed = _in_frame(matrix).subs(parameters.substitution())
+    rational, _ = without_functions(framed.applyfunc(without_square_roots) if parameters.matrices else framed)
     known = (variable for variable in rational.free_symbols if variable.is_nonnegative)
     proved = _eliminate(rational, (*nonnegative, *known))
     return Definiteness(holds=True, proof="proved" if proved else "sampled")
@@ -75,6 +76,14 @@ def almost_everywhere(derivatives: Any) -> Any:  # noqa: ANN401 - an expression,
     """Return second derivatives without the impulses at the kinks of absolute values: points, which no grid meets."""
     impulses = derivatives.has(sympy.DiracDelta)
     return derivatives.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero) if impulses else derivatives
+
+
+def without_square_roots(expression: Expr) -> Expr:
+    """Return an expression with roots of squares of positive symbols taken, as of the determinant of a field."""
+    return expression.replace(
+        lambda part: isinstance(part, sympy.Pow) and not part.exp.is_Integer and part.base.is_Add,
+        lambda part: sympy.powdenest(sympy.factor(part.base) ** part.exp),
+    )
 
 
 def without_functions(matrix: sympy.Matrix) -> tuple[sympy.Matrix, tuple[Symbol, ...]]:

@@ -27,7 +27,7 @@ from gridgen_sym.functionals.metric import DENSITY_NAMES, symbolic_metric
         ("log(-J)", "real and finite|not real"),
         ("J +", "cannot be read"),
         ("__import__('os')", "unknown function|not arithmetic"),
-        ("3", "does not depend on the grid"),
+        ("3", "does not depend on the shape of cells"),
         (lambda m: m.J ^ 2, r"\*\*"),
         (lambda m: m.area, "cannot use m.area"),
         (lambda m, k: k * m.J, "default value"),

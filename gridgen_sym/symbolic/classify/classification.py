@@ -14,10 +14,13 @@ from sympy import Expr, Symbol
 
 from ...functionals.definition import Functional
 from ...functionals.metric import symbol
+from ...functionals.variant import Modes
+from ..admissible import admissible
 from ..coordinates import FIRST_DERIVATIVES, Variant, epsilon, expand_metric, s, y_xi
 from ..definiteness import Definiteness
 from ..derive.continuous import euler_lagrange
 from ..derive.discrete import corner_model, has_barrier, variant_density
+from ..values import values_of
 from .bounds import LowerBound, lower_bound
 from .ellipticity import Ellipticity, ellipticity
 from .invariance import (
@@ -85,7 +88,12 @@ def equation_words(functional: Functional) -> tuple[str, ...]:
     defaults = _defaults(functional)
     matrix = principal_symbol(variant_density(functional, "plain").subs(defaults))
     rest = _rest(functional, "plain", defaults)
-    return _words(linear=_is_linear(matrix, rest), coupled=_is_coupled(matrix, rest), kind=equation_type(functional))
+    moves = values_of(functional, "plain").moving
+    return _words(
+        linear=not moves and _is_linear(matrix, rest),
+        coupled=moves or _is_coupled(matrix, rest),
+        kind=equation_type(functional),
+    )
 
 
 def _words(*, linear: bool, coupled: bool, kind: Type) -> tuple[str, ...]:
@@ -94,7 +102,8 @@ def _words(*, linear: bool, coupled: bool, kind: Type) -> tuple[str, ...]:
 
 def equation_type(functional: Functional) -> Type:
     """Return the type of the Euler–Lagrange equations as random points show it, at the default parameters."""
-    return sampled_type(principal_symbol(variant_density(functional, "plain").subs(_defaults(functional))))
+    density = variant_density(functional, "plain").subs(admissible(functional).of_fields(functional))
+    return sampled_type(principal_symbol(density.subs(_defaults(functional))))
 
 
 def is_null_lagrangian(functional: Functional) -> bool:
@@ -105,6 +114,8 @@ def is_null_lagrangian(functional: Functional) -> bool:
     """
     density = variant_density(functional, "plain")
     # abs(J) is as good as J where J > 0, and there only.
+    if values_of(functional, "plain").planes:  # Values differ from corner to corner.
+        return False
     return bool(expand_metric(density).is_polynomial(*FIRST_DERIVATIVES)) and _is_zero(principal_symbol(density))
 
 
@@ -120,17 +131,21 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
     matrix = principal_symbol(density)
     rest = _rest(functional, variant, defaults)
     rotates, degree = is_rotation_invariant(density), scaling_degree(density)
-    moves = variant == "differentiated" and density.has(s)
-    bends = kinks(density)
+    moves = values_of(functional, variant).moving
+    judged = density.subs(admissible(functional).of_fields(functional)).subs(defaults)
+    bends = kinks(judged)
     return Classification(
         functional=functional,
         variant=variant,
-        linear=_is_linear(matrix, rest),
-        coupled=_is_coupled(matrix, rest),
+        linear=not moves and _is_linear(matrix, rest),
+        coupled=moves or _is_coupled(matrix, rest),
         symbol=matrix,
         determinant=determinant(matrix, rotates=rotates),
         ellipticity=ellipticity(
-            matrix, rotates=rotates, turns=is_logical_rotation_invariant(density), positive=(s, epsilon)
+            principal_symbol(judged) if functional.fields else matrix,
+            rotates=rotates,
+            turns=is_logical_rotation_invariant(density),
+            positive=(s, epsilon),
         ),
         null_lagrangian=not bends and _is_zero(matrix) and _is_zero(rest),
         translation=not moves,
@@ -138,16 +153,16 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
         scaling_degree=None if moves else degree,
         exchange=is_exchange_symmetric(density),
         reparametrization_degrees=reparametrization_degrees(density),
-        lower_bound=lower_bound(density, rotates=rotates, degree=degree),
-        barrier=has_barrier(functional) and variant != "regularized",
+        lower_bound=lower_bound(judged, rotates=rotates, degree=degree),
+        barrier=has_barrier(functional) and not Modes.read(variant).regularized,
         polyconvex=corner_model(functional, variant).splitting,
         kinks=bends,
     )
 
 
 def _rest(functional: Functional, variant: Variant, defaults: dict[sympy.Symbol, Expr]) -> sympy.Matrix:
-    """Return what is of lower order in the Euler–Lagrange equations; nothing, where there is no weight."""
-    if variant not in ("frozen", "differentiated"):
+    """Return what is of lower order in the Euler–Lagrange equations; nothing, where there are no values."""
+    if not values_of(functional, variant).planes:
         return sympy.zeros(2, 1)
     return sympy.Matrix(euler_lagrange(functional, variant).rest).subs(defaults)
 
@@ -169,15 +184,12 @@ def _is_zero_at_a_jet(entry: Expr) -> bool:
 def _is_linear(matrix: sympy.Matrix, rest: sympy.Matrix) -> bool:
     """Return whether the coefficients are free of x and y, and the rest linear in their derivatives."""
     entries = [*matrix, *(sympy.diff(expand_metric(part), p) for part in rest for p in FIRST_DERIVATIVES)]
-    jets = {*FIRST_DERIVATIVES, *(symbol(name) for name in ("s_x", "s_y"))}
-    return not any(sympy.expand(expand_metric(entry)).free_symbols & jets for entry in entries) and not any(
-        part.has(symbol("s_x"), symbol("s_y")) for part in rest
-    )
+    return not any(sympy.expand(expand_metric(entry)).free_symbols & {*FIRST_DERIVATIVES} for entry in entries)
 
 
 def _is_coupled(matrix: sympy.Matrix, rest: sympy.Matrix) -> bool:
     """Return whether either equation contains the other unknown."""
-    if any(part.has(symbol("s_x"), symbol("s_y")) for part in rest) or not _is_zero(sympy.Matrix([matrix[0, 1]])):
+    if not _is_zero(sympy.Matrix([matrix[0, 1]])):
         return True
     x_part = sympy.expand(expand_metric(matrix[0, 0])).free_symbols | expand_metric(rest[0]).free_symbols
     y_part = sympy.expand(expand_metric(matrix[1, 1])).free_symbols | expand_metric(rest[1]).free_symbols

@@ -13,6 +13,7 @@ import sympy
 from sympy import Expr
 
 from ...functionals.definition import Functional
+from ...functionals.variant import Modes
 from ..coordinates import J, Variant, expand_metric, s, x_eta, x_xi, y_eta, y_xi
 from ..derive.continuous import euler_lagrange, total_derivative
 from ..derive.discrete import variant_density
@@ -34,11 +35,11 @@ class EquidistributionLaw:
 def equidistribution(functional: Functional, variant: Variant) -> EquidistributionLaw | None:
     """Find the law of a weighted variant, and prove it; None where there is none of the form s^a J."""
     density = variant_density(functional, variant)
-    if density.free_symbols - {J, s} or variant not in ("frozen", "differentiated"):
+    if density.free_symbols - {J, s} or not Modes.read(variant).weight:
         return None
     along_j = sympy.diff(density, J, 2)
     along_s = sympy.diff(density, J, s)
-    if variant == "differentiated":
+    if Modes.read(variant).weight == "differentiated":
         along_s -= sympy.diff(density, s) / J
     if along_j == 0:
         return None
@@ -52,10 +53,11 @@ def equidistribution(functional: Functional, variant: Variant) -> Equidistributi
 
 def _is_gradient(functional: Functional, variant: Variant, law: Expr, multiplier: Expr) -> bool:
     """Return whether A^t R/J - multiplier * gradient(law) vanishes, for both equations."""
-    residual = sympy.Matrix(euler_lagrange(functional, variant).residual)
+    equations = euler_lagrange(functional, variant)
+    residual = sympy.Matrix(equations.residual)
     transposed = sympy.Matrix([[x_xi, y_xi], [x_eta, y_eta]])
     for along, left in zip(("xi", "eta"), transposed * residual, strict=True):
-        slope = multiplier * total_derivative(law, along, variant)
+        slope = multiplier * total_derivative(law, along, equations.values)
         positive = sympy.Symbol("s", positive=True)
         if sympy.simplify(expand_metric(left - J * slope).subs(s, positive)) != 0:
             return False

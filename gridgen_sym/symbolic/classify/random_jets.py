@@ -15,7 +15,22 @@ import sympy
 from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
-from ..coordinates import FIRST_DERIVATIVES, METRIC, J, expand_metric, x_eta, x_xi, y_eta, y_xi
+from ..coordinates import (
+    FIRST_DERIVATIVES,
+    METRIC,
+    J,
+    chi,
+    epsilon,
+    eta,
+    expand_metric,
+    root,
+    s,
+    x_eta,
+    x_xi,
+    xi,
+    y_eta,
+    y_xi,
+)
 from .principal_symbol import k1, k2
 
 _ROUND_OFF = 1e-9
@@ -26,6 +41,9 @@ _JETS = 2000
 SAMPLES = 2 * _JETS
 _ANGLES = 64
 _NEWTON_STEPS = 15
+
+#: Symbols that are not negative, and not said to be so by their assumptions.
+_POSITIVE = (s, epsilon, root, chi, xi, eta)
 
 Type = Literal["elliptic", "weakly elliptic", "degenerate", "changing type"]
 
@@ -85,9 +103,12 @@ def extremes(matrix: sympy.Matrix) -> Extremes:
 
 
 def _random_jets(symbols: list[Symbol]) -> NDArray[np.float64]:
-    """Return values of the symbols, one column for each jet: J > 0, and all else positive."""
+    """Return values of the symbols, one column for each jet: J > 0, and all else positive but places and fields."""
     random = np.random.default_rng(0)
-    values = np.abs(random.normal(size=(len(symbols), SAMPLES)))
+    values = random.normal(size=(len(symbols), SAMPLES))
+    for variable, row in zip(symbols, values, strict=True):
+        if variable.is_positive or variable in _POSITIVE:
+            np.abs(row, out=row)
     jacobian = random.normal(size=(2, 2, SAMPLES)) * np.exp(random.normal(size=SAMPLES))
     jacobian[:, 1] *= np.where(jacobian[0, 0] * jacobian[1, 1] < jacobian[0, 1] * jacobian[1, 0], -1, 1)
     # A conformal map of size 1, plus less than half of it in each of the two ways to be another one.
@@ -139,7 +160,7 @@ def witness(matrix: sympy.Matrix, found: Extremes) -> tuple[tuple[Symbol, Expr],
             below = np.broadcast_to(evaluate(*(whole / digits)) < 0, lowest.shape)
         for point in whole.T[below]:
             values = {variable: sympy.Rational(int(n), digits) for variable, n in zip(symbols, point, strict=True)}
-            if any(values[s] <= 0 for s in symbols if s not in (*FIRST_DERIVATIVES, k1, k2)):
+            if any(values[v] <= 0 for v in symbols if v in _POSITIVE or v.is_positive):
                 continue
             if METRIC[J].subs(values) > 0 and _determinant_at(matrix, values) < 0:
                 return tuple(values.items())

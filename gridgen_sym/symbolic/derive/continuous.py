@@ -19,28 +19,21 @@ from sympy import Expr, Symbol
 
 from ...errors import GridgenError
 from ...functionals.definition import Functional
+from ...functionals.variant import Modes
 from ..coordinates import (
     FIRST_DERIVATIVES,
     SECOND_DERIVATIVES,
     Variant,
     differentiate,
     expand_metric,
-    s,
-    s_eta,
-    s_x,
-    s_xi,
-    s_y,
-    x_eta,
     x_etaeta,
-    x_xi,
     x_xieta,
     x_xixi,
-    y_eta,
     y_etaeta,
-    y_xi,
     y_xieta,
     y_xixi,
 )
+from ..values import Values, values_of
 from .discrete import gradient, hessian, variant_density
 from .reduction import Reduction, find_reduction
 
@@ -55,10 +48,11 @@ class EulerLagrange:
 
     Attributes:
         functional: what they were derived from.
-        variant: how the weight enters.
+        variant: how the weight, fields and a target enter.
+        values: the symbols beside the metric, and their derivatives.
         fluxes: (dF/dx_xi, dF/dy_xi, dF/dx_eta, dF/dy_eta): the divergence form is
             d/dxi fluxes[0] + d/deta fluxes[2] - sources[0] = 0 for x; fluxes[1], fluxes[3], sources[1] for y.
-        sources: (dF/dx, dF/dy), through a weight that is differentiated.
+        sources: (dF/dx, dF/dy), at a fixed map: of a density that names the place, or values that move with it.
         coefficients: for every second derivative the pair of its coefficients in the two residuals.
         rest: what is left of the two residuals, of lower order.
         residual: the two expanded residuals, in the metric symbols.
@@ -67,6 +61,7 @@ class EulerLagrange:
 
     functional: Functional
     variant: Variant
+    values: Values
     fluxes: tuple[Expr, ...]
     sources: tuple[Expr, Expr]
     coefficients: Mapping[Symbol, tuple[Expr, Expr]]
@@ -85,22 +80,23 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
     """Derive the Euler–Lagrange equations of a functional.
 
     A `frozen` weight is a given function of (xi, eta), with derivatives `s_xi`, `s_eta`; a `differentiated`
-    one is s(x, y), with derivatives `s_x`, `s_y`.
+    one is s(x, y), with derivatives `s_x`, `s_y`. So are the components of fields: `M11_xi`, or `M11_x`. A target is a
+    function of (xi, eta), of whose inverse V the derivatives are `V11_xi` ....
 
     Raises:
         GridgenError: for the regularized barrier, which is a tool of the discrete side.
     """
-    if variant == "regularized":
+    if Modes.read(variant).regularized:
         raise GridgenError(f"the regularized barrier of {functional.name!r} serves untangling only: use 'plain'")
-    density = variant_density(functional, variant)
+    density, values = variant_density(functional, variant), values_of(functional, variant)
     fluxes = gradient(density)
     slope = hessian(density)
-    density_s = sympy.diff(density, s)
-    weight_xi, weight_eta = _weight_slopes(variant)
-    sources = (density_s * s_x, density_s * s_y) if variant == "differentiated" else (sympy.S.Zero, sympy.S.Zero)
-    flux_s = gradient(density_s)
+    sources = values.differentiate(density, 0), values.differentiate(density, 1)
     rest = tuple(
-        flux_s[component] * weight_xi + flux_s[2 + component] * weight_eta - sources[component] for component in (0, 1)
+        values.differentiate_along(fluxes[component], 0)
+        + values.differentiate_along(fluxes[2 + component], 1)
+        - sources[component]
+        for component in (0, 1)
     )
     coefficients = {second: _coefficients(slope, second) for second in SECOND_DERIVATIVES}
     residual = tuple(
@@ -110,6 +106,7 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
     return EulerLagrange(
         functional=functional,
         variant=variant,
+        values=values,
         fluxes=fluxes,
         sources=sources,
         coefficients=coefficients,
@@ -117,13 +114,6 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
         residual=(residual[0], residual[1]),
         reduction=find_reduction(coefficients, (rest[0], rest[1])),
     )
-
-
-def _weight_slopes(variant: Variant) -> tuple[Expr, Expr]:
-    """Return the derivatives of the weight along xi and eta."""
-    if variant == "differentiated":
-        return s_x * x_xi + s_y * y_xi, s_x * x_eta + s_y * y_eta
-    return s_xi, s_eta
 
 
 def _coefficients(slope: sympy.Matrix, second: Symbol) -> tuple[Expr, Expr]:
@@ -143,11 +133,11 @@ def residual_slopes(residual: tuple[Expr, Expr]) -> Mapping[Symbol, tuple[Expr, 
     return {variable: (pair[0], pair[1]) for variable, pair in slopes.items()}
 
 
-def total_derivative(expression: Expr, along: str, variant: Variant = "plain") -> Expr:
-    """Return the derivative along `xi` or `eta`, through the first derivatives of the map and the weight."""
+def total_derivative(expression: Expr, along: str, values: Values) -> Expr:
+    """Return the derivative along `xi` or `eta`, through the first derivatives of the map and the values."""
     slopes = ALONG_XI if along == "xi" else ALONG_ETA
     result = sum(
         (differentiate(expression, p) * slope for p, slope in zip(FIRST_DERIVATIVES, slopes, strict=True)),
         sympy.S.Zero,
     )
-    return result + sympy.diff(expression, s) * _weight_slopes(variant)[along == "eta"]
+    return result + values.differentiate_along(expression, int(along == "eta"))

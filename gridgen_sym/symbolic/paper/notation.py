@@ -13,7 +13,6 @@ from ..coordinates import (
     FIRST_DERIVATIVES,
     METRIC,
     SECOND_DERIVATIVES,
-    Variant,
     eta,
     g11,
     g12,
@@ -28,10 +27,13 @@ from ..coordinates import (
     y_xi,
 )
 from ..derive.continuous import EulerLagrange, total_derivative
+from ..values import Values
 
 _JACOBIAN = sympy.Matrix([[x_xi, x_eta], [y_xi, y_eta]])
 #: Logical positions of the neighbors relative to node k, and of the ends o, a, b of Figure 1.
 _POSITIONS = {"k": (0, 0), "4": (1, 0), "1": (0, 1), "2": (-1, 0), "3": (0, -1), "o": (0, 0), "a": (1, 0), "b": (0, 1)}
+
+_NO_VALUES = Values((), {}, {}, ())
 
 
 def read(text: str, derived: EulerLagrange | None = None) -> Any:  # noqa: ANN401 - an expression or a matrix
@@ -42,7 +44,7 @@ def read(text: str, derived: EulerLagrange | None = None) -> Any:  # noqa: ANN40
         derived: whose density `F_x`, `F_x_xi`, ... are derivatives of.
     """
     names = _names() | (_density_names(derived) if derived else {})
-    return evaluate(text, names, _functions("plain" if derived is None else derived.variant), sympy.Rational)
+    return evaluate(text, names, _functions(derived.values if derived else _NO_VALUES), sympy.Rational)
 
 
 def _names() -> dict[str, Any]:
@@ -63,10 +65,10 @@ def _density_names(derived: EulerLagrange) -> dict[str, Any]:
     return dict(fluxes) | {"F_x": derived.sources[0], "F_y": derived.sources[1]}
 
 
-def _functions(variant: Variant) -> Mapping[str, Callable[..., Any]]:
+def _functions(values: Values) -> Mapping[str, Callable[..., Any]]:
     return sympy_functions() | {
-        "D_xi": lambda expression: total_derivative(expression, "xi", variant),
-        "D_eta": lambda expression: total_derivative(expression, "eta", variant),
+        "D_xi": lambda expression: total_derivative(expression, "xi", values),
+        "D_eta": lambda expression: total_derivative(expression, "eta", values),
         "norm": lambda matrix: sympy.sqrt(sum(entry**2 for entry in matrix)),
         "det": lambda matrix: matrix.det(),
         "matrix": lambda *entries: sympy.Matrix(2, 2, entries),

@@ -1,0 +1,74 @@
+"""How the names beside the metric enter a kernel: which values move with the nodes, a target, a regularized barrier.
+
+A variant is written as text, whose parts are joined by `+`: `plain` where nothing is said; else, in this order,
+
+- `frozen` or `differentiated`: there is a weight, held at the nodes or differentiated through;
+- `M:differentiated`: the declared field M moves with the nodes (else its values are held);
+- `target`: the metric is taken relative to a target;
+- `regularized`: J is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2, and nothing else may be said.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from ..errors import GridgenError, quoted
+
+Variant: TypeAlias = str
+
+_WEIGHTED: tuple[Literal["frozen", "differentiated"], ...] = ("frozen", "differentiated")
+_MOVES = ":differentiated"
+_NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_]")
+
+
+@dataclass(frozen=True, slots=True)
+class Modes:
+    """What a variant says.
+
+    Attributes:
+        weight: how the weight enters; empty where there is none.
+        differentiated: names of the declared fields that move with the nodes, in alphabetical order.
+        target: whether the metric is taken relative to a target.
+        regularized: whether the barrier is regularized.
+    """
+
+    weight: Literal["", "frozen", "differentiated"] = ""
+    differentiated: tuple[str, ...] = ()
+    target: bool = False
+    regularized: bool = False
+
+    @classmethod
+    def read(cls, variant: Variant) -> Modes:
+        """Return what a variant says.
+
+        Raises:
+            GridgenError: for what is no variant.
+        """
+        parts = [part for part in variant.split("+") if part != "plain"]
+        weight: Literal["", "frozen", "differentiated"] = next((mode for mode in _WEIGHTED if mode in parts), "")
+        moving = tuple(sorted(part.removesuffix(_MOVES) for part in parts if part.endswith(_MOVES)))
+        modes = cls(weight, moving, "target" in parts, "regularized" in parts)
+        if modes.variant != variant or (modes.regularized and variant != "regularized"):
+            raise GridgenError(
+                f"unknown variant {quoted(variant)}: it is 'plain', 'regularized', or of 'frozen' or 'differentiated' "
+                "(the weight), 'M:differentiated' (a field) and 'target', in this order, joined by '+'"
+            )
+        return modes
+
+    @property
+    def variant(self) -> Variant:
+        """The text."""
+        parts = [
+            *([self.weight] if self.weight else []),
+            *(f"{name}{_MOVES}" for name in self.differentiated),
+            *(["target"] if self.target else []),
+            *(["regularized"] if self.regularized else []),
+        ]
+        return "+".join(parts) or "plain"
+
+
+def kernel_name(functional: str, variant: Variant) -> str:
+    """Return the name of the kernel of a functional in one variant: its files, and the prefix of its functions."""
+    return functional if variant == "plain" else f"{functional}_{_NOT_IN_NAMES.sub('_', variant)}"
