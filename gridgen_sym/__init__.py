@@ -38,15 +38,15 @@ if TYPE_CHECKING:
     from .adaptation import Equidistribution as Equidistribution
     from .adaptation import Monitor as Monitor
     from .adaptation import Spread as Spread
-    from .adaptation import adapt as adapt
-    from .adaptation import equidistribution as equidistribution
     from .adaptation import hierarchical_error as hierarchical_error
-    from .adaptation import interpolation_error as interpolation_error
     from .adaptation import recover_gradient as recover_gradient
     from .adaptation import recover_hessian as recover_hessian
     from .adaptation import recovery_error as recovery_error
     from .adaptation import richardson_error as richardson_error
-    from .adaptation import transfer as transfer
+    from .adaptation.adapt import adapt as adapt
+    from .adaptation.equidistribution import equidistribution as equidistribution
+    from .adaptation.interpolation_error import interpolation_error as interpolation_error
+    from .adaptation.transfer import transfer as transfer
     from .boundary import CornerChoice as CornerChoice
     from .boundary import Outline as Outline
     from .boundary import domain as domain
@@ -79,9 +79,9 @@ if TYPE_CHECKING:
     from .solvers import energy as energy
     from .solvers import gradient as gradient
     from .solvers import hessian as hessian
-    from .solvers import optimize as optimize
     from .solvers import solve_euler_lagrange as solve_euler_lagrange
     from .solvers import untangle as untangle
+    from .solvers.optimize import optimize as optimize
 
 #: The packages of the public names that are loaded when they are used.
 _PACKAGES = {

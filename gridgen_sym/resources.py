@@ -21,3 +21,8 @@ def resource_folder(name: str) -> Path:
         f"gridgen_sym's folder '{name}' is missing: looked in {packaged} and {checkout}. "
         "Reinstall the package, or run from a complete checkout."
     )
+
+
+def is_checkout() -> bool:
+    """Return whether the package runs from a checkout, whose files may change, and not as it was built."""
+    return not (_PACKAGE / "generated").is_dir()

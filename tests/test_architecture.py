@@ -29,7 +29,18 @@ INNER_ORDER = {
     "solvers": ("run", "linear", "newton", "untangling", "multilevel", "equations"),
 }
 #: Modules beside the packages that any package may use, and that use no package themselves.
-SHARED = {"arrays", "atomic", "deprecation", "errors", "messages", "parsing", "resources", "startup", "version"}
+SHARED = {
+    "arrays",
+    "atomic",
+    "cache",
+    "deprecation",
+    "errors",
+    "messages",
+    "parsing",
+    "resources",
+    "startup",
+    "version",
+}
 #: The public face and the way into the command line: nothing imports them, and they may import everything.
 FACE = {"__init__", "__main__"}
 #: What must not be loaded until it is needed.

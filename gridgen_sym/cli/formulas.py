@@ -38,14 +38,15 @@ def functionals() -> None:
 
 def _row(definition: Functional) -> tuple[str, ...]:
     """Return one line of the list."""
-    from ..symbolic import equation_words, has_barrier
+    from ..codegen.derivations import summary
 
+    found = summary(definition)
     parameters = ", ".join(f"{name}={value:g}" for name, value in definition.parameters.items())
     return (
         definition.name,
-        str(definition.expression()),
-        ", ".join(equation_words(definition)),
-        "yes" if has_barrier(definition) else "no",
+        found.density,
+        ", ".join(found.equations),
+        "yes" if found.barrier else "no",
         parameters,
         definition.description,
     )
@@ -60,9 +61,9 @@ def derive(name: str, latex: bool) -> None:
     from ..functionals import functional
 
     definition = functional(name)
-    from ..symbolic import derive_latex, derive_text
+    from ..codegen.derivations import report_latex, report_text
 
-    click.echo((derive_latex if latex else derive_text)(definition), nl=False)
+    click.echo((report_latex if latex else report_text)(definition), nl=False)
 
 
 @click.command()

@@ -10,13 +10,12 @@ from ..atomic import write_bytes
 from ..functionals import functional as find_functional
 from ..functionals import functionals, is_builtin
 from ..functionals.definition import Functional
+from ..functionals.variant import Variant, kernel_name
 from ..resources import resource_folder
-from ..symbolic.coordinates import Variant, s
-from ..symbolic.derive.discrete import has_barrier
 from .backend import BUILTIN, find_backend
-from .kernel import Source
-from .programs import kernel
+from .derivations import kernel_files, report_text, summary
 from .render import render_document, render_shared
+from .source import Source
 
 #: What is the same in all kernels of a language, written once.
 SHARED = ("c/common.h", "c/loops.h", "numpy/loops.py")
@@ -29,19 +28,20 @@ def committed_variants(functional: Functional) -> tuple[Variant, ...]:
 
     The weighted ones where the density itself names the weight, the regularized one where there is a barrier.
     """
-    weighted: tuple[Variant, ...] = ("frozen", "differentiated") if s in functional.expression().free_symbols else ()
-    regularized: tuple[Variant, ...] = ("regularized",) if has_barrier(functional) else ()
+    found = summary(functional)
+    weighted: tuple[Variant, ...] = ("frozen", "differentiated") if found.weighted else ()
+    regularized: tuple[Variant, ...] = ("regularized",) if found.barrier else ()
     return ("plain", *weighted, *regularized)
 
 
 def sources(functional: Functional, variants: tuple[Variant, ...]) -> Iterator[Source]:
     """Yield the facts and the sources of a functional's kernels, for every built-in back end."""
     for variant in variants:
-        derived = kernel(functional, variant)
-        name = derived.facts.name
-        yield Source(f"facts/{name}.json", derived.facts.to_json())
+        name = kernel_name(functional.name, variant)
         for backend in map(find_backend, BUILTIN):
-            yield Source(f"{backend.name}/{name}{backend.suffix}", backend.render(derived))
+            facts, source = kernel_files(functional, variant, backend)
+            yield Source(f"{backend.name}/{name}{backend.suffix}", source.read_text(encoding="utf-8"))
+        yield Source(f"facts/{name}.json", facts.read_text(encoding="utf-8"))
 
 
 def all_sources() -> Iterator[Source]:
@@ -51,7 +51,7 @@ def all_sources() -> Iterator[Source]:
         if is_builtin(name):
             functional = find_functional(name)
             yield from sources(functional, committed_variants(functional))
-            yield render_document(functional)
+            yield render_document(functional, report_text(functional))
 
 
 def write_generated(folder: Path | None = None) -> list[Path]:

@@ -79,14 +79,6 @@ class Kernel:
     programs: Mapping[str, Program]
 
 
-@dataclass(frozen=True, slots=True)
-class Source:
-    """One generated file: its path below `generated/` and its text."""
-
-    path: str
-    text: str
-
-
 def check_expressible(expression: Expr) -> None:
     """Refuse an expression that the intermediate representation cannot express.
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jinja2
 
 from ..functionals.definition import Functional
 from ..resources import resource_folder
 from ..version import __version__
-from .kernel import Kernel, Program, Source
-from .printer import Printer
+from .source import Source
+
+if TYPE_CHECKING:
+    from .kernel import Kernel, Program
+    from .printer import Printer
 
 
 def render_kernel(template: str, kernel: Kernel, printer: Printer) -> str:
@@ -29,11 +32,8 @@ def render_page(template: str, **variables: object) -> str:
     return environment().get_template(f"docs/{template}").render(variables)
 
 
-def render_document(functional: Functional) -> Source:
-    """Return the page of derived equations of a functional."""
-    from ..symbolic.report.functional import derive_text
-
-    equations = derive_text(functional)
+def render_document(functional: Functional, equations: str) -> Source:
+    """Return the page of a functional in `generated/`, from the report on its equations."""
     text = render_page("functional.md.jinja", functional=functional, equations=equations, version=__version__)
     return Source(f"docs/{functional.name}.md", text)
 

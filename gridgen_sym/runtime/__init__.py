@@ -1,7 +1,7 @@
 """Generated kernels, compiled or in NumPy, as one object that solvers hold."""
 
+from ..cache import cache_folder as cache_folder
 from .backend import choose_backend as choose_backend
-from .cache import cache_folder as cache_folder
 from .compiler import compile_library as compile_library
 from .compiler import find_compiler as find_compiler
 from .compiler import open_library as open_library

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from itertools import chain
 from pathlib import Path
 
+from ..cache import digest, find_kept, keep
 from ..errors import GridgenError
 from ..messages import report
-from . import cache
 from .process import run, seconds_left
 from .threads import threads_that_sleep
 from .toolchain import Compiler
@@ -60,11 +60,11 @@ def compile_library(name: str, source: str, part: str = "", headers: Mapping[str
     if compiler is None:
         raise GridgenError("no C compiler was found: install one (cc, gcc or clang), set CC, or use the NumPy backend")
     placeholder = compiler.command(Path("source.c"), Path("library"))
-    stem = f"{name}-{cache.digest(source, *chain(*headers.items()), *placeholder, compiler.version, _processor())}"
-    library = cache.find(stem, ".so")
+    stem = f"{name}-{digest(source, *chain(*headers.items()), *placeholder, compiler.version, _processor())}"
+    library = find_kept(stem, ".so")
     if library is None:
         report(f"compiling the kernels of {name}{f': {part}' if part else ''} (once per machine) ...")
-        library = cache.keep(stem, ".so", _build(compiler, name, source, headers))
+        library = keep(stem, ".so", _build(compiler, name, source, headers))
     return library
 
 

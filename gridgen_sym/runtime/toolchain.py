@@ -13,8 +13,8 @@ from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
 
+from ..cache import digest, find_kept, keep
 from ..errors import GridgenError, quoted
-from . import cache
 from .process import run
 
 #: No -ffast-math: a fold and a NaN must stay visible.
@@ -128,13 +128,13 @@ def _version(program: tuple[str, ...]) -> str:
 
 def _supports_openmp(words: tuple[str, ...], version: str) -> bool:
     """Try OpenMP once per compiler; the answer is kept in the cache."""
-    stem = f"openmp-{cache.digest(*words, version)}"
-    answer = cache.find(stem, "")
+    stem = f"openmp-{digest(*words, version)}"
+    answer = find_kept(stem, "")
     if answer is None:
         result = _openmp_trial(words)
         if result is None or result.returncode < 0:
             return False  # It was killed, or did not end: no answer.
-        answer = cache.keep(stem, "", b"no" if result.returncode else b"yes")
+        answer = keep(stem, "", b"no" if result.returncode else b"yes")
     return answer.read_bytes() == b"yes"
 
 

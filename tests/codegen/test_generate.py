@@ -11,11 +11,12 @@ import pytest
 
 from gridgen_sym.codegen import generate
 from gridgen_sym.codegen.generate import SHARED, check_generated, write_generated
-from gridgen_sym.codegen.kernel import Source
+from gridgen_sym.codegen.source import Source
 from gridgen_sym.resources import resource_folder
 
 # ---- all of generated/ ----
 
+QUIET = {"GRIDGEN_SYM_QUIET": "1"}
 _DERIVE = """
 import json
 from gridgen_sym.codegen.generate import all_sources
@@ -24,13 +25,14 @@ print(json.dumps([(source.path, source.text) for source in all_sources()]))
 
 
 @pytest.fixture(scope="module")
-def derived():
-    """Every source, from new processes with two hash seeds: nothing is derived there yet."""
+def derived(tmp_path_factory):
+    """Every source, from new processes with two hash seeds and caches of their own: nothing is derived there yet."""
     started = [
         subprocess.Popen(
             [sys.executable, "-c", _DERIVE],
             stdout=subprocess.PIPE,
-            env=os.environ | {"PYTHONHASHSEED": seed},
+            env=os.environ
+            | {"PYTHONHASHSEED": seed, "GRIDGEN_SYM_CACHE": str(tmp_path_factory.mktemp("cache")), **QUIET},
         )
         for seed in ("0", "1")
     ]
@@ -80,7 +82,9 @@ def few_functionals(monkeypatch):
     """Derive only two functionals, and no documents: what is tested here is the files."""
     monkeypatch.setattr(generate, "functionals", lambda: ("length", "area"))
     monkeypatch.setattr(
-        generate, "render_document", lambda functional: Source(f"docs/{functional.name}.md", f"# {functional.name}\n")
+        generate,
+        "render_document",
+        lambda functional, equations: Source(f"docs/{functional.name}.md", f"# {functional.name}\n"),
     )
 
 

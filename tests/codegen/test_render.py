@@ -214,6 +214,6 @@ def test_render_is_the_only_module_that_opens_templates():
         if 'resource_folder("templates")' in path.read_text(encoding="utf-8")
     ]
     assert "render.py" in users
-    # The cache key of kernels derived at run time covers the templates' bytes; the settings name the folder of styles.
-    assert set(users) <= {"render.py", "sources.py", "settings.py"}
+    # The key of what is derived covers the templates' bytes; the settings name the folder of styles.
+    assert set(users) <= {"render.py", "kept_texts.py", "settings.py"}
     assert render_module.environment().undefined is jinja2.StrictUndefined

@@ -15,9 +15,9 @@ from support import case_name, kernel_set, random_grid, random_weight, relative_
 
 import gridgen_sym as gg
 from gridgen_sym.codegen import backend as registry
+from gridgen_sym.codegen import derivations
 from gridgen_sym.codegen.backend import find_backend
-from gridgen_sym.functionals import functional
-from gridgen_sym.runtime import find_compiler, sources
+from gridgen_sym.runtime import find_compiler
 
 ROUND_OFF = 1e-12
 
@@ -73,21 +73,21 @@ def test_a_solver_runs_with_it(monkeypatch):
 @pytest.mark.usefixtures("plain")
 def test_what_it_prints_is_kept_until_it_prints_otherwise(monkeypatch, tmp_path):
     """A file that stands alone is its own printer; what was typed in is printed again in every process."""
-    winslow, keys = functional("winslow"), []
+    keys = []
     for text in ("# one", "# two"):
         file = tmp_path / "lonely.py"
         file.write_text(text)
+        os.utime(file, (0, 0))  # What is newer than the process may not be what it has loaded.
         lonely = type("Lonely", (plain_python.PlainPython,), {"__module__": "lonely"})()
         monkeypatch.setitem(sys.modules, "lonely", SimpleNamespace(__file__=str(file), __package__=""))
-        sources._digest.cache_clear()
-        keys.append(sources._key(winslow, "plain", lonely))
+        keys.append(derivations._printer(lonely))
     for token in ("one process", "another"):
         monkeypatch.setitem(sys.modules, "lonely", SimpleNamespace(__package__=""))
-        monkeypatch.setattr(sources, "_token", lambda token=token: token)
-        keys.append(sources._key(winslow, "plain", lonely))
-    keys += [sources._key(winslow, "plain", find_backend(name)) for name in ("c", "numpy", "plain")]
+        monkeypatch.setattr(derivations, "key_of_process", lambda token=token: token)
+        keys.append(derivations._printer(lonely))
+    keys += [derivations._printer(find_backend(name)) for name in ("c", "numpy", "plain")]
     assert len(set(keys)) == len(keys)
-    assert keys[-1] == sources._key(winslow, "plain", plain_python.BACKEND)
+    assert keys[-1] == derivations._printer(plain_python.BACKEND)
 
 
 @pytest.mark.usefixtures("plain")

@@ -16,9 +16,9 @@ import tempfile
 from functools import lru_cache
 from pathlib import Path
 
-from ..atomic import write_bytes
-from ..errors import GridgenError
-from ..messages import report_once
+from .atomic import write_bytes
+from .errors import GridgenError
+from .messages import report_once
 
 
 @lru_cache(maxsize=1)
@@ -82,7 +82,7 @@ def _distrust(status: os.stat_result) -> str:
     return ""
 
 
-def find(stem: str, suffix: str) -> Path | None:
+def find_kept(stem: str, suffix: str) -> Path | None:
     """Return the file that was kept under a stem (a name, maybe in a folder), if it is as it was written.
 
     A file that others can write is ignored and made again.
