@@ -21,6 +21,11 @@ from .notation import read
 _UNFOLDED = {x_xi: 1, y_xi: 0, x_eta: 0, y_eta: 1}
 _FOLDED = {x_xi: 1, y_xi: 0, x_eta: 0, y_eta: -1}
 
+#: A density that names every variable of equation (1), and a field.
+GENERAL = Functional(
+    "general", "(1 + x*xi + y**2*eta)*(x_xi**2 + y_eta**3) + p*x_eta*y_xi**2 + x_xi*y_eta*J", fields={"p": "scalar"}
+)
+
 
 def agreement(text: str = "") -> Finding:
     """Return the finding of an equation that is the derived one."""
@@ -44,7 +49,7 @@ def compare_arguments(printed: PrintedEquation) -> Finding:
         names = ", ".join(missing)
         text = f"a density cannot name {names}; the position enters through s = s(x, y) alone"
         return Finding(True, f"holds without {names}", "only in part", sympy.S.Zero, text)
-    return agreement("a density may name each of these, and s = s(x, y)")
+    return agreement("a density may name each of these, a weight s and declared fields")
 
 
 def _can_be_named(name: str) -> bool:
@@ -56,17 +61,20 @@ def _can_be_named(name: str) -> bool:
 
 
 def compare_general(printed: PrintedEquation) -> Finding:
-    """Compare a general Euler–Lagrange equation with the derived residual of every functional, weighted or not."""
+    """Compare a general Euler–Lagrange equation with the residuals of the functionals and of a general density."""
+    cases = [
+        (functional(name), variant) for name in _functionals_of_the_paper() for variant in ("plain", "differentiated")
+    ]
+    cases += [(GENERAL, "plain"), (GENERAL, "p:differentiated")]
     factors = set()
-    for name in _functionals_of_the_paper():
-        for variant in ("plain", "differentiated"):
-            derived = euler_lagrange(functional(name), variant)
-            factors.add(_factor(read(printed.expressions[0], derived), derived.residual[printed.component]))
+    for known, variant in cases:
+        derived = euler_lagrange(known, variant)
+        factors.add(_factor(read(printed.expressions[0], derived), derived.residual[printed.component]))
     if len(factors) != 1 or None in factors:
         return Finding(False, "differs", "other", sympy.S.Zero, "is not the derived equation of every functional")
     (factor,) = factors
     assert factor is not None
-    return _multiple(factor, "the derived residual of every functional")
+    return _multiple(factor, "the derived residual of every functional, and of a density in all variables and a field")
 
 
 def compare_equation(printed: PrintedEquation) -> Finding:
