@@ -39,11 +39,11 @@ def lower(
     prefixed = {symbol: f"parameter_{symbol.name}" for symbol in parameters}
     prefixed |= {symbol: f"field_{symbol.name}" for symbol in fields}
     renamed = {symbol: sympy.Symbol(name, real=True) for symbol, name in prefixed.items()}
-    outputs = {key: sympy.sympify(value).subs(renamed) for key, value in outputs.items()}
+    outputs = {key: sympy.sympify(value).xreplace(renamed) for key, value in outputs.items()}
     parameters, inputs = (tuple(renamed.get(symbol, symbol) for symbol in given) for given in (parameters, inputs))
     # Each metric symbol is a name of its own, so its definition is one assignment and not expanded.
     definitions = _definitions(outputs.values(), set(inputs))
-    wanted = [*(meaning.subs(renamed) for meaning in definitions.values()), *outputs.values()]
+    wanted = [*(meaning.xreplace(renamed) for meaning in definitions.values()), *outputs.values()]
     prepared = [_without_negative_powers(expression) for expression in wanted]
     temporaries = (sympy.Symbol(f"t{k}", real=True) for k in range(10**6))
     shared, reduced = sympy.cse(prepared, symbols=temporaries, order="canonical")
