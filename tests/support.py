@@ -19,6 +19,7 @@ from gridgen_sym.codegen.generate import committed_variants
 from gridgen_sym.codegen.kernel import Kernel, Program, reciprocal
 from gridgen_sym.codegen.programs import kernel
 from gridgen_sym.functionals import Functional, functional, functionals, is_builtin
+from gridgen_sym.functionals.choices import CHOICES
 from gridgen_sym.runtime import KernelSet, kernels
 
 BUILTIN = [name for name in functionals() if is_builtin(name)]
@@ -86,10 +87,9 @@ def evaluate(node: sympy.Basic, values: Mapping[str, mpmath.mpf]) -> mpmath.mpf:
         return +(mpmath.pi if node == sympy.pi else mpmath.e)
     if isinstance(node, sympy.DiracDelta):
         return mpmath.mpf(0)
-    if isinstance(node, sympy.Piecewise):
-        for value, condition in node.args:
-            if condition == sympy.true or _holds(condition, values):
-                return evaluate(value, values)
+    if isinstance(node, CHOICES):
+        left, right, first, second = node.as_choice().args
+        return evaluate(first if evaluate(left, values) < evaluate(right, values) else second, values)
     arguments = [evaluate(argument, values) for argument in node.args]
     if node.is_Add:
         return mpmath.fsum(arguments)
@@ -101,11 +101,6 @@ def evaluate(node: sympy.Basic, values: Mapping[str, mpmath.mpf]) -> mpmath.mpf:
         return 1 / arguments[0]
     names = {"Abs": "fabs"}
     return getattr(mpmath, names.get(type(node).__name__, type(node).__name__))(*arguments)
-
-
-def _holds(condition: sympy.Basic, values: Mapping[str, mpmath.mpf]) -> bool:
-    left, right = (evaluate(side, values) for side in condition.args)
-    return left > right if isinstance(condition, sympy.StrictGreaterThan) else left < right
 
 
 def run(program: Program, values: Mapping[str, mpmath.mpf]) -> dict[str, mpmath.mpf]:

@@ -1,8 +1,8 @@
 """Kernels as data: a small language-free intermediate representation.
 
 A `Program` is straight-line arithmetic on doubles: assignments of expressions to names. It can express
-sums, products, whole and half powers, reciprocals, the functions of `FUNCTION_NAMES` and a choice between
-two values by the sign of a third. It cannot express loops, arrays, integers, branches, calls of user code or
+sums, products, whole and half powers, reciprocals, the functions of `FUNCTION_NAMES` and choices between
+two values by a comparison of two others. It cannot express loops, arrays, integers, branches, calls of user code or
 anything that depends on more than one point of the grid: loops and neighbors belong to the templates.
 """
 
@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import sympy
 from sympy import Expr
-from sympy.functions.elementary.piecewise import ExprCondPair
 
 from ..errors import GridgenError
-from ..functionals.metric import sympy_functions
+from ..functionals.choices import maximum, minimum
+from ..functionals.metric import function_types, sympy_functions
 from .facts import KernelFacts
 
 
@@ -85,12 +85,10 @@ def check_expressible(expression: Expr) -> None:
     Raises:
         GridgenError: naming the part.
     """
-    arithmetic = (sympy.Symbol, sympy.Rational, sympy.Add, sympy.Mul, sympy.Pow, reciprocal, sympy.exp, sympy.sign)
-    choice = (sympy.Piecewise, ExprCondPair, sympy.StrictGreaterThan, sympy.StrictLessThan)
-    functions = set(sympy_functions().values()) - {sympy.sqrt}
-    expressible_types = (*arithmetic, *choice, *functions)
+    arithmetic = (sympy.Symbol, sympy.Rational, sympy.Add, sympy.Mul, sympy.Pow, reciprocal)
+    functions = tuple(function for function in function_types() if function not in (maximum, minimum))
     for node in sympy.preorder_traversal(expression):
-        expressible = isinstance(node, expressible_types) or node in (sympy.pi, sympy.E, sympy.true)
+        expressible = isinstance(node, (*arithmetic, *functions)) or node in (sympy.pi, sympy.E)
         if not expressible:
             raise GridgenError(
                 f"no kernel can be generated from {node} (a {type(node).__name__}): write the density with "

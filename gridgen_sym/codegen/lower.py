@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import sympy
 from sympy import Expr, Symbol
 
+from ..functionals.choices import as_choices
 from ..symbolic.coordinates import ALONG, DEFINITIONS
 from ..symbolic.definiteness import almost_everywhere
 from .kernel import Assignment, Program, reciprocal
@@ -78,7 +79,7 @@ def _definitions(expressions: Iterable[Expr], given: set[Symbol]) -> dict[Symbol
 
 def _without_negative_powers(expression: Expr) -> Expr:
     """Write x**-n as reciprocal(x)**n, so that one division serves all powers."""
-    return almost_everywhere(expression).replace(
+    return as_choices(almost_everywhere(expression)).replace(
         lambda node: isinstance(node, sympy.Pow) and node.exp.is_Rational and node.exp < 0,
         lambda node: (
             reciprocal(node.base) ** -node.exp

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import sympy
 from sympy import Expr
 
+from ..functionals.choices import choice
 from .kernel import Program, reciprocal
 from .lower import LARGEST_PRODUCT
 
@@ -40,9 +41,12 @@ class Printer(ABC):
             return f"1.0/{self._factor(node.args[0])}"
         if isinstance(node, sympy.Pow):
             return self._power(node)
-        if isinstance(node, sympy.Piecewise):
-            return self._choice(node)
-        return f"{self.functions[type(node).__name__]}({self.expression(node.args[0])})"
+        arguments = [self.expression(argument) for argument in node.args]
+        if isinstance(node, choice):
+            left, right, first, second = arguments
+            test = f"{right} > {left}" if node.args[0].is_number else f"{left} < {right}"
+            return self._choice(test, first, second)
+        return f"{self.functions[type(node).__name__]}({', '.join(arguments)})"
 
     def _sum(self, node: sympy.Add) -> str:
         # A positive term goes first where there is one: a - b reads and computes better than -b + a.
@@ -53,7 +57,7 @@ class Printer(ABC):
         return text
 
     def _term(self, node: Expr) -> str:
-        return self._factor(node) if isinstance(node, (sympy.Add, sympy.Piecewise)) else self.expression(node)
+        return self._factor(node) if isinstance(node, (sympy.Add, choice)) else self.expression(node)
 
     def _product(self, node: sympy.Mul) -> str:
         coefficient, rest = node.as_coeff_Mul()
@@ -73,7 +77,7 @@ class Printer(ABC):
     def _factor(self, node: Expr) -> str:
         text = self.expression(node)
         atomic = isinstance(node, (sympy.Symbol, sympy.Function))
-        atomic = atomic and not isinstance(node, (reciprocal, sympy.Piecewise))
+        atomic = atomic and not isinstance(node, (reciprocal, choice))
         return text if atomic or node in (sympy.pi, sympy.E) or (node.is_Integer and node > 0) else f"({text})"
 
     @abstractmethod
@@ -81,5 +85,5 @@ class Printer(ABC):
         """Return a power that is not a small whole one."""
 
     @abstractmethod
-    def _choice(self, node: sympy.Piecewise) -> str:
-        """Return the first value where its condition holds, else the second."""
+    def _choice(self, test: str, first: str, second: str) -> str:
+        """Return the first value where the test holds, else the second."""

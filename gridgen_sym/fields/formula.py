@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from ..arrays import Array
 from ..errors import GridgenError, quoted
-from ..functionals.expression import evaluate
+from ..functionals.expression import Comparison, evaluate
+from .choices import angle, chosen, largest, smallest
 from .jets import FUNCTIONS, Jet, applied, variables
 
 _Values = Mapping[Any, Any]
@@ -40,10 +41,9 @@ class Formula:
         """
         self.text, self._steps = text, list[_Step]()
         names = {name: _Term(name, self._steps) for name in "xy"} | {"pi": np.pi}
-        functions = {name: _function(name) for name in FUNCTIONS}
         try:
             with np.errstate(all="ignore"):
-                self._result = evaluate(text, names, functions)
+                self._result = evaluate(text, names, _FUNCTIONS)
         except ArithmeticError as error:
             raise GridgenError(f"the formula {quoted(text)} has no value: {error}. Correct its numbers") from error
 
@@ -130,10 +130,22 @@ class _Term:
         return _Term(len(self.steps) - 1, self.steps)
 
 
-def _function(name: str) -> Callable[[Any], Any]:
-    """Return a function of a formula: of a term it becomes a step, of a number its value."""
-    call = partial(applied, name)
-    return lambda argument: argument._step(call, argument) if isinstance(argument, _Term) else call(argument)
+def _called(call: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+    """Return what a function gives while a formula is read: of a term a step, of numbers the value."""
+    term = next((argument for argument in arguments if isinstance(argument, _Term)), None)
+    return call(*arguments) if term is None else term._step(call, *arguments)
+
+
+def _where(condition: Comparison, first: Any, second: Any) -> Any:  # noqa: ANN401
+    return _called(partial(chosen, condition.sign), condition.left, condition.right, first, second)
+
+
+_SEVERAL: Mapping[str, Callable[..., Any]] = {"atan2": angle, "max": largest, "min": smallest}
+_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    **{name: partial(_called, partial(applied, name)) for name in FUNCTIONS},
+    **{name: partial(_called, call) for name, call in _SEVERAL.items()},
+    "where": _where,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,18 +169,20 @@ class SymbolicFormula:
         unknown = sorted(str(one) for one in given.free_symbols if str(one) not in ("x", "y"))
         if unknown:
             raise GridgenError(f"the formula {given} contains {', '.join(unknown)}: use only the symbols x and y")
+        from ..functionals.choices import with_choices
         from ..functionals.metric import symbol
 
         real = given.xreplace({one: symbol(str(one)) for one in given.free_symbols})
-        object.__setattr__(self, "expression", real)
+        object.__setattr__(self, "expression", with_choices(real))
 
     def values(self, x: Array, y: Array) -> npt.ArrayLike:
         """Return the values at points; a single number if the expression is one."""
-        return self._along("")(x, y)  # type: ignore[no-any-return]
+        return self.derivatives(x, y, ("",))[0]
 
     def derivatives(self, x: Array, y: Array, along: tuple[str, ...]) -> list[npt.ArrayLike]:
         """Return the derivatives along `x`, `y`, `xx`, `xy` or `yy`; the second one of a kink is zero."""
-        return [self._along(key)(x, y) for key in along]
+        with np.errstate(all="ignore"):  # The branch that does not hold may have no value.
+            return [self._along(key)(x, y) for key in along]
 
     def _along(self, key: str) -> Callable[..., Any]:
         """Return a derivative as a function of two arrays, compiled once."""

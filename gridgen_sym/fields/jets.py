@@ -145,8 +145,8 @@ def _sum(one: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
 
 _Derivative = Callable[[Any, Any], Any]
 
-#: Each function of a formula, its first and its second derivative; these take the argument and the function's value.
-#: At a kink the derivatives are those of abs(): its sign, zero at the kink, and zero.
+#: Each function of one argument, its first and its second derivative; these take the argument and the function's value.
+#: At a kink the derivatives are those of abs(): its sign, zero at the kink, and zero. Those of sign() are zero.
 FUNCTIONS: dict[str, tuple[Callable[[Any], Any], _Derivative, _Derivative]] = {
     "sqrt": (np.sqrt, lambda u, f: 0.5 / f, lambda u, f: -0.25 / (u * f)),
     "exp": (np.exp, lambda u, f: f, lambda u, f: f),
@@ -157,6 +157,9 @@ FUNCTIONS: dict[str, tuple[Callable[[Any], Any], _Derivative, _Derivative]] = {
     "sinh": (np.sinh, lambda u, f: np.cosh(u), lambda u, f: f),
     "cosh": (np.cosh, lambda u, f: np.sinh(u), lambda u, f: f),
     "tanh": (np.tanh, lambda u, f: 1 - f**2, lambda u, f: -2 * f * (1 - f**2)),
+    "asin": (np.arcsin, lambda u, f: 1 / np.sqrt(1 - u**2), lambda u, f: u / (1 - u**2) ** 1.5),
+    "acos": (np.arccos, lambda u, f: -1 / np.sqrt(1 - u**2), lambda u, f: -u / (1 - u**2) ** 1.5),
     "atan": (np.arctan, lambda u, f: 1 / (1 + u**2), lambda u, f: -2 * u / (1 + u**2) ** 2),
     "abs": (np.abs, lambda u, f: np.sign(u), lambda u, f: 0.0),
+    "sign": (np.sign, lambda u, f: 0.0, lambda u, f: 0.0),
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cmath
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -10,9 +11,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import GridgenError, shortened
-from .expression import FUNCTION_NAMES, LARGEST_EXPONENT
+from .expression import FUNCTIONS_OF_ONE, LARGEST_EXPONENT
 from .field_kinds import components, typical_values
-from .metric import DENSITY_NAMES, SHAPE_NAMES, symbol, sympy_functions
+from .metric import DENSITY_NAMES, SHAPE_NAMES, function_types, symbol, sympy_functions
 from .smoothness import rough_part
 
 if TYPE_CHECKING:
@@ -24,7 +25,11 @@ if TYPE_CHECKING:
 _VALID_CORNERS = ((1, 0, 0, 1), (2, 1, -1, 1), (1, -1, 1, 3), (3, 0, 2, 1))
 #: Sizes of the corners on which derivatives must exist: cells of coarse and of fine grids.
 _SIZES = (1e-3, 1e-2, 0.1, 1.0, 10.0)
-_COMPLEX_FUNCTIONS = {name: getattr(cmath, name) for name in FUNCTION_NAMES if name != "abs"} | {"abs": abs}
+_COMPLEX_FUNCTIONS = {name: getattr(cmath, name) for name in FUNCTIONS_OF_ONE if name not in ("abs", "sign")} | {
+    "abs": abs,
+    "sign": lambda z: (z.real > 0) - (z.real < 0),
+    "atan2": lambda y, x: math.atan2(y.real, x.real),
+}
 
 
 def check_density(functional: Functional) -> None:
@@ -73,7 +78,7 @@ def _check_functions(functional: Functional, density: sympy.Expr) -> None:
     if density.has(sympy.I) or density.has(sympy.nan, sympy.oo, sympy.zoo):
         raise GridgenError(f"the density of functional {functional.name!r} is not real and finite: {density}")
     arithmetic = (sympy.Symbol, sympy.Rational, sympy.Add, sympy.Mul, sympy.Pow, type(sympy.pi), type(sympy.E))
-    allowed = (*arithmetic, *(set(sympy_functions().values()) - {sympy.sqrt}))
+    allowed = (*arithmetic, *function_types())
     for part in sympy.preorder_traversal(density):
         if not isinstance(part, allowed):
             raise GridgenError(
@@ -101,7 +106,8 @@ def _check_value(functional: Functional, density: sympy.Expr, corner: tuple[int,
     values |= {symbol(name): complex(value) for name, value in typical_values(functional.fields).items()}
     values |= {symbol(name): complex(default) for name, default in functional.parameters.items()}
     try:
-        number = complex(sympy.lambdify(list(values), density, [_COMPLEX_FUNCTIONS])(*values.values()))
+        signed = density.replace(sympy.sign, sympy.Function("sign"))  # SymPy prints its own for real numbers only.
+        number = complex(sympy.lambdify(list(values), signed, [_COMPLEX_FUNCTIONS])(*values.values()))
         came = f"{number.real if number.imag == 0 else number:.6g}"
     except (ArithmeticError, ValueError) as error:
         number, came = complex("nan"), f"without a value ({error})"
@@ -130,7 +136,8 @@ def _check_derivatives(functional: Functional, density: sympy.Expr) -> None:
     raise GridgenError(
         f"the density of functional {functional.name!r} has no {what} derivative on the valid corner with edge vectors "
         f"g1 = ({a:.3g}, {b:.3g}), g2 = ({c:.3g}, {d:.3g}), nor near it, because of the term {shortened(rough.part)}: "
-        "keep what stands under a root or a broken power above 0, for example by adding 1e-12 to it, or square it"
+        "keep what stands under a root or a broken power above 0, for example by adding 1e-12 to it, or square it, "
+        "or choose: where(u > 0, sqrt(u), 0)"
     )
 
 

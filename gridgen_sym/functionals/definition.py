@@ -58,6 +58,8 @@ class Functional:
         """
         import sympy
 
+        from .choices import with_choices
+
         parameters = {name: symbol(name) for name in self.parameters}
         if isinstance(self.density, str):
             known = (*DENSITY_NAMES, *self.components)
@@ -75,7 +77,7 @@ class Functional:
                 "metric such as (m.g11 + m.g22)/m.J; check that the function returns it"
             )
         floats = density.atoms(sympy.Float)
-        return density.xreplace({value: sympy.Rational(repr(float(value))) for value in floats})
+        return with_choices(density).xreplace({value: sympy.Rational(repr(float(value))) for value in floats})
 
     def _call(self, parameters: Mapping[str, Any]) -> Any:  # noqa: ANN401
         """Call the density function; report errors in the terms of functionals."""
@@ -90,6 +92,12 @@ class Functional:
                 raise GridgenError(
                     f"the density of functional {self.name!r} uses '^', which is not a power in Python: "
                     "write ** (for example m.J**2)"
+                ) from error
+            if "truth value" in str(error):
+                raise GridgenError(
+                    f"the density of functional {self.name!r} decides by a comparison of symbols, which are no numbers "
+                    "yet: write m.where(m.J > 1, a, b) instead of if, and of a chain such as 0 < m.J < 1 (nest it), "
+                    "and m.max(a, b), m.min(a, b) instead of Python's max and min"
                 ) from error
             raise GridgenError(
                 f"the density of functional {self.name!r} cannot be evaluated on symbols: {error}. Use "

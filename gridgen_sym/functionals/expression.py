@@ -13,8 +13,26 @@ from typing import Any
 
 from ..errors import GridgenError, quoted
 
-#: Functions that a density or a weight may call, by the name used in text.
-FUNCTION_NAMES = ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "abs")
+#: Functions of one argument that a density or a weight may call, by the name used in text.
+FUNCTIONS_OF_ONE = (
+    *("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh"),
+    *("asin", "acos", "atan", "abs", "sign"),
+)
+#: The least and the greatest number of arguments of the other functions.
+_COUNTS: dict[str, tuple[int, int]] = {"atan2": (2, 2), "max": (2, 100), "min": (2, 100), "where": (3, 3)}
+#: All functions that a density or a weight may call.
+FUNCTION_NAMES = (*FUNCTIONS_OF_ONE, *_COUNTS)
+#: What these take, and a call of each.
+_ARGUMENTS = {
+    "atan2": ("two arguments", "atan2(J, g12)"),
+    "max": ("two arguments or more", "max(0, 1 - J)"),
+    "min": ("two arguments or more", "min(g11, g22)"),
+    "where": ("a comparison and two values", "where(J > 1, J, 1)"),
+}
+CONDITION_HINT = (
+    "it must be one comparison of two values by <, <=, > or >=, as in where(J > 1, J, 1). Instead of a chain or of "
+    "'and', nest: where(a < b, where(b < c, p, q), q); instead of ==, give a tolerance: where(abs(a - b) < 1e-9, p, q)"
+)
 #: Bounds on what a text may hold: beyond them SymPy computes forever, or kernels overflow.
 LONGEST = 20_000
 DEEPEST = 200
@@ -62,7 +80,7 @@ def evaluate(
     Args:
         text: for example `"(g11 + g22)/J"`; operators + - * / **, parentheses, calls of `functions`.
         names: the value of every name that may be in the text.
-        functions: the functions that may be called; those of `FUNCTION_NAMES` take one argument.
+        functions: the functions that may be called; `where` is given its condition as a `Comparison`.
         number: makes a value from the text of a number.
 
     Raises:
@@ -196,16 +214,39 @@ class _Reader:
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 if name not in self.functions:
                     raise _unknown(name, "function", self.functions, self.text)
-                if name in FUNCTION_NAMES and len(args) != 1:
-                    raise GridgenError(
-                        f"the formula {quoted(self.text)} contains {quoted(self._source(node))}: {name} takes exactly "
-                        f"one argument, and {len(args)} came; write {name}(...) with one"
-                    )
-                read = [self.read(argument, depth) for argument in args]
+                self._check_count(node, name, len(args))
+                readers = [self._condition if name == "where" and k == 0 else self.read for k in range(len(args))]
+                read = [reader(argument, depth) for reader, argument in zip(readers, args, strict=True)]
                 return self.functions[name](*(value for value, _ in read)), max((n for _, n in read), default=1)
+            case ast.Compare():
+                raise GridgenError(
+                    f"the formula {quoted(self.text)} contains the comparison {quoted(self._source(node))}: a "
+                    "comparison is no value; write where(condition, a, b), as in where(J > 1, J, 1)"
+                )
         raise GridgenError(
             f"the formula {quoted(self.text)} contains {quoted(self._source(node))}, which is not arithmetic: "
             "use only numbers, names, + - * / ** and the functions " + ", ".join(sorted(self.functions))
+        )
+
+    def _check_count(self, node: ast.AST, name: str, count: int) -> None:
+        """Refuse a call of a function of formulas with too few arguments or too many."""
+        least, most = _COUNTS.get(name, (1, 1))
+        if name in FUNCTION_NAMES and not least <= count <= most:
+            expected, example = _ARGUMENTS.get(name, ("exactly one argument", f"{name}(...) with one"))
+            raise GridgenError(
+                f"the formula {quoted(self.text)} contains {quoted(self._source(node))}: {name} takes {expected}, "
+                f"and {count} came; write {example}"
+            )
+
+    def _condition(self, node: ast.AST, depth: int) -> tuple[Comparison, float]:
+        """Return the condition of `where`, and the larger degree of its sides."""
+        match node:
+            case ast.Compare(left=left, ops=[op], comparators=[right]) if _SIGNS.get(type(op), "==") != "==":
+                (one, first), (other, second) = self.read(left, depth), self.read(right, depth)
+                return Comparison(one, _SIGNS[type(op)], other), max(first, second)
+        raise GridgenError(
+            f"the formula {quoted(self.text)} contains where(...) with the condition {quoted(self._source(node))}: "
+            f"{CONDITION_HINT}"
         )
 
     def _literal(self, value: float, source: str) -> Any:  # noqa: ANN401

@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from ..errors import GridgenError
-from .expression import FUNCTION_NAMES
+from .expression import FUNCTION_NAMES, FUNCTIONS_OF_ONE
 
 if TYPE_CHECKING:
     import sympy
@@ -75,16 +75,29 @@ def symbol(name: str) -> sympy.Symbol:
 
 @lru_cache(maxsize=1)
 def sympy_functions() -> dict[str, Any]:
-    """Return the functions that a formula may call, as SymPy functions."""
+    """Return the functions that a formula may call, by name: those of SymPy, and `max`, `min` and `where`."""
     import sympy
 
-    return {name: sympy.Abs if name == "abs" else getattr(sympy, name) for name in FUNCTION_NAMES}
+    from .choices import largest, smallest, where
+
+    ours = {"abs": sympy.Abs, "max": largest, "min": smallest, "where": where}
+    return {name: ours[name] if name in ours else getattr(sympy, name) for name in FUNCTION_NAMES}
+
+
+@lru_cache(maxsize=1)
+def function_types() -> tuple[type, ...]:
+    """Return the types of SymPy's nodes that calls of `sympy_functions` give, beside powers."""
+    from .choices import CHOICES
+
+    others = {"sqrt", "max", "min", "where"}
+    return (*(part for name, part in sympy_functions().items() if name not in others), *CHOICES)
 
 
 @lru_cache(maxsize=16)
 def symbolic_metric(fields: tuple[str, ...] = ()) -> Metric:
     """Return the metric whose attributes are SymPy symbols, with those of the components of declared fields."""
-    functions = {name: _of_one_argument(function) for name, function in sympy_functions().items()}
+    functions = sympy_functions()
+    functions = functions | {name: _of_one_argument(functions[name]) for name in FUNCTIONS_OF_ONE}
     return Metric({name: symbol(name) for name in (*DENSITY_NAMES, *fields)} | functions, fields)
 
 

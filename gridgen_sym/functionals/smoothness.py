@@ -1,7 +1,8 @@
 """Find the part of a density that has no derivative at a corner, although its value is finite there.
 
 Every part of the formula is evaluated together with its first and second derivative along one direction in the space
-of edge vectors, by the chain rule, as the kernels do it: the root of something that vanishes gives 0/0.
+of edge vectors, by the chain rule, as the kernels do it: the root of something that vanishes gives 0/0. Of a choice
+the branch that holds is looked at, and no other.
 """
 
 from __future__ import annotations
@@ -44,6 +45,16 @@ class Jet:
             self.second * other.value + 2 * self.first * other.first + self.value * other.second,
         )
 
+    def where(self, holds: NDArray[np.bool_], other: Jet) -> Jet:
+        """Return this one where a condition holds, and another elsewhere."""
+        pairs = ((self.value, other.value), (self.first, other.first), (self.second, other.second))
+        return Jet(*(np.where(holds, one, two) for one, two in pairs))
+
+    def rough(self, order: int) -> NDArray[np.bool_]:
+        """Return where the value is of a usable size, and the derivative of this order is not finite."""
+        derivative = self.first if order == 1 else self.second
+        return (np.abs(self.value) < _HUGE) & ~np.isfinite(derivative)
+
     def through(self, value: Array, slope: Array, bend: Array) -> Jet:
         """Return f of this, given f, f' and f'' at its value."""
         return Jet(value, slope * self.first, bend * self.first**2 + slope * self.second)
@@ -82,15 +93,34 @@ def rough_part(
     known: dict[Any, Jet] = {symbol(name): jet for name, jet in names.items()}
     with np.errstate(all="ignore"):
         for part in sympy.postorder_traversal(density):
-            if part in known:
-                continue
-            known[part] = jet = _jet(part, known, corners)
-            usable = np.abs(jet.value) < _HUGE
-            for order, derivative in ((1, jet.first), (2, jet.second)):
-                rough = usable & ~np.isfinite(derivative)
-                if rough.any():
-                    return Rough(part, order, rough)
+            if part not in known:
+                known[part] = _jet(part, known, corners)
+    for order in (1, 2):
+        rough = known[density].rough(order)
+        if rough.any():
+            return _smallest(density, order, rough, known)
     return None
+
+
+def _smallest(part: sympy.Expr, order: int, rough: NDArray[np.bool_], known: Mapping[Any, Jet]) -> Rough:
+    """Return the smallest part of a part that has no derivative at some corners, among the branches that hold there."""
+    for argument, holds in _used(part, known):
+        inner = rough & holds & known[argument].rough(order)
+        if inner.any():
+            return _smallest(argument, order, inner, known)
+    return Rough(part, order, rough)
+
+
+def _used(part: sympy.Expr, known: Mapping[Any, Jet]) -> Iterator[tuple[sympy.Expr, Any]]:
+    """Yield the arguments whose derivatives those of a part are made of, and at which corners."""
+    from .choices import CHOICES
+
+    if not isinstance(part, CHOICES):
+        yield from ((argument, True) for argument in part.args)
+        return
+    left, right, first, second = part.as_choice().args
+    below = known[left].value < known[right].value
+    yield from ((first, below), (second, ~below))
 
 
 def _metric_jets(corners: Array) -> Iterator[tuple[str, Jet]]:
@@ -114,6 +144,8 @@ def _jet(part: sympy.Expr, known: Mapping[Any, Jet], corners: Array) -> Jet:
     """Return the jet of a part whose arguments are known."""
     import sympy
 
+    from .choices import CHOICES
+
     if not part.args:
         return _constant(float(part), corners)
     arguments = [known[argument] for argument in part.args]
@@ -123,6 +155,11 @@ def _jet(part: sympy.Expr, known: Mapping[Any, Jet], corners: Array) -> Jet:
         return reduce(Jet.__mul__, arguments)
     if isinstance(part, sympy.Pow):
         return _power(*arguments, exponent=float(part.exp) if part.exp.is_number else None)
+    if isinstance(part, CHOICES):
+        left, right, first, second = (known[argument] for argument in part.as_choice().args)
+        return first.where(left.value < right.value, second)
+    if isinstance(part, sympy.atan2):
+        return _angle(*arguments)
     (inner,) = arguments
     return inner.through(*(function(inner.value) for function in _derivatives(part.func)))
 
@@ -137,13 +174,27 @@ def _power(base: Jet, power: Jet, *, exponent: float | None) -> Jet:
     return base.through(u**p, p * u ** (p - 1), p * (p - 1) * u ** (p - 2))
 
 
+def _angle(y: Jet, x: Jet) -> Jet:
+    """Return atan2(y, x)."""
+    square = x.value**2 + y.value**2
+    turn = x.value * y.first - y.value * x.first
+    second = (x.value * y.second - y.value * x.second) / square
+    return Jet(
+        np.arctan2(y.value, x.value),
+        turn / square,
+        second - 2 * turn * (x.value * x.first + y.value * y.first) / square**2,
+    )
+
+
 @lru_cache(maxsize=32)
 def _derivatives(function: Any) -> tuple[Callable[[Array], Array], ...]:  # noqa: ANN401 - a SymPy function
-    """Return a function of one variable and its first two derivatives; those of abs() leave out its kink."""
+    """Return a function of one variable and its first two derivatives; kinks and jumps are left out."""
     import sympy
 
     if function is sympy.Abs:
         return np.abs, np.sign, np.zeros_like
+    if function is sympy.sign:
+        return np.sign, np.zeros_like, np.zeros_like
     z = sympy.Symbol("z", real=True)
     parts = [sympy.diff(function(z), z, order) for order in range(3)]
     return tuple(_broadcast(sympy.lambdify(z, part, "numpy")) for part in parts)

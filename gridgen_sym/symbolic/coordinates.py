@@ -14,6 +14,7 @@ from functools import lru_cache
 import sympy
 from sympy import Expr, Symbol
 
+from ..functionals.choices import choice
 from ..functionals.metric import DERIVATIVE_NAMES, INVERSE_TARGET_NAMES, TARGET_NAMES, symbol
 from ..functionals.variant import Variant as Variant
 
@@ -46,7 +47,7 @@ METRIC: Mapping[Symbol, Expr] = {
 #: multiplied by its conjugate: it does not cancel where J is far below zero.
 REGULARIZATION: Mapping[Symbol, Expr] = {
     root: sympy.sqrt(J**2 + epsilon**2),
-    chi: sympy.Piecewise(((J + root) / 2, J > 0), (epsilon**2 / (2 * (root - J)), True)),
+    chi: choice(sympy.S.Zero, J, (J + root) / 2, epsilon**2 / (2 * (root - J))),
 }
 
 #: The inverse of a target, V = W⁻¹, and the metric of T = A V as a density names it.

@@ -13,18 +13,19 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 from support import evaluate, run
-from sympy import Piecewise, Rational, exp, log, sqrt
+from sympy import Rational, exp, log, sqrt
 
 from gridgen_sym.backends.c.printer import CPrinter
 from gridgen_sym.backends.numpy.printer import NumpyPrinter
 from gridgen_sym.codegen.kernel import Assignment, Program, check_expressible, reciprocal
 from gridgen_sym.codegen.lower import LARGEST_PRODUCT, count_operations, lower
 from gridgen_sym.errors import GridgenError
+from gridgen_sym.functionals.choices import choice, maximum, minimum
 
 COMPILER = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)
 
 a, b = sympy.symbols("a b", real=True)
-STEP = Piecewise((a, a > b), (b**2, True))
+STEP = choice(b, a, a, b**2)
 EXPRESSIONS = [
     sympy.Integer(-3), Rational(2, 3), Rational(-5, 7), sympy.pi, sympy.E * a,
     -a, a - b, b - a, -a - b, -(a + b) * b, 3 * a - 2 * (b - 3 * (a - b)), a - (b - a * (b - 1)),
@@ -36,6 +37,8 @@ EXPRESSIONS = [
     (a * b) ** Rational(-2, 3), a**b, a**-b, (a + b) ** (a * b), 2**a, -(a**b), (a - b) ** 2 / sqrt(a**2 + b**2) ** 3,
     exp(-(a**2)), exp(a - b) / log(a + 2), sympy.Abs(a - b), sympy.Abs(a - b) ** 3, sympy.sign(a - b) * b,
     sympy.sin(a) * sympy.cos(b) - sympy.tan(a), sympy.sinh(a) - sympy.cosh(b) * sympy.tanh(a), sympy.atan(a - b),
+    sympy.asin(a / (b + 3)), sympy.acos(-a / (b + 3)), sympy.atan2(a - b, b), maximum(a, b) ** 2, minimum(a - 1, b) * b,
+    choice(1, a, b, -a), choice(a, 1, log(a), log(b)), maximum(maximum(a, b), 1) / minimum(a, 1),
     STEP, 1 + STEP, -STEP, 2 * STEP * b, a - (b - STEP),
     sympy.Add(a, sympy.Mul(-1, b - a, evaluate=False), evaluate=False), sympy.Mul(-2, -a, b, evaluate=False),
 ]  # fmt: skip
@@ -154,6 +157,7 @@ def test_a_program_refuses_names_out_of_order(assignments):
         a + sympy.I,
         sympy.Symbol("a", real=True) * sympy.oo,
         sympy.Max(a, b),
+        sympy.Piecewise((a, a > b), (b, True)),
     ],
     ids=str,
 )

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import gridgen_sym as gg
 from gridgen_sym.fields.formula import Formula, SymbolicFormula
 from gridgen_sym.fields.jets import FUNCTIONS
-from gridgen_sym.functionals.expression import FUNCTION_NAMES
+from gridgen_sym.functionals.expression import FUNCTION_NAMES, FUNCTIONS_OF_ONE
 from gridgen_sym.functionals.metric import sympy_functions
 
 ALONG = ("x", "y", "xx", "xy", "yy")
@@ -46,13 +46,62 @@ def assert_exact(text, x, y):
         np.testing.assert_allclose(np.broadcast_to(plane, x.shape), expected, rtol=1e-11, atol=atol, err_msg=key)
 
 
-@pytest.mark.parametrize("name", FUNCTION_NAMES)
+@pytest.mark.parametrize("name", FUNCTIONS_OF_ONE)
 def test_every_function_has_its_derivatives(name):
-    assert_exact(f"{name}(x*y + x**2/3)", *POINTS)
+    assert_exact(f"{name}((x*y + x**2/3)/2)", *POINTS)
+
+
+SEVERAL = [
+    *("atan2(x*y - 1/3, x - y)", "atan2(x - 1, 2)", "atan2(2, x)*y"),
+    *("max(x*y, x**2, y/2)", "max(0, x - y)**2*y", "max(x, 1/2)", "max(2, 3)*x"),
+    *("min(x*y, x**2, y/2)", "min(1/2, x)*min(y, 2*x)", "exp(min(x, y))"),
+    *("where(x < y, x*y, y**3)", "where(x*y >= 1/4, sin(x), 2)", "where(x > y, 1, 2)*x", "where(1 < 2, x, y)"),
+    *("where(x <= y, where(x + y < 1, x, y), x*y)", "where(x > 1/2, log(x - 1/2), 0)"),
+]
+
+
+@pytest.mark.parametrize("text", SEVERAL)
+def test_functions_of_several_arguments_have_theirs(text):
+    assert_exact(text, *POINTS)
+    symbolic = SymbolicFormula(sympy.sympify(text, locals={"x": X, "y": Y} | sympy_functions(), rational=True))
+    for one, other in zip(symbolic.derivatives(*POINTS, ALONG), Formula(text).derivatives(*POINTS, ALONG), strict=True):
+        np.testing.assert_allclose(*np.broadcast_arrays(one, other), rtol=1e-11, atol=1e-13)
 
 
 def test_there_is_no_function_without_derivatives():
-    assert set(FUNCTIONS) == set(FUNCTION_NAMES)
+    assert set(FUNCTIONS) == set(FUNCTIONS_OF_ONE)
+    assert all(any(f"{name}(" in text for text in SEVERAL) for name in {*FUNCTION_NAMES} - {*FUNCTIONS_OF_ONE})
+
+
+@pytest.mark.parametrize(
+    ("text", "slope"),
+    [
+        *(("max(x*y, y)", 1), ("max(y, x*y)", 0), ("min(x*y, y)", 1), ("min(y, x*y)", 0), ("max(y, x*y, 2*x - 1)", 0)),
+        *(("where(x <= y, 2*x, 3*x)", 2), ("where(x < y, 2*x, 3*x)", 3)),
+        *(("where(x >= y, 2*x, 3*x)", 2), ("where(x > y, 2*x, 3*x)", 3)),
+    ],
+)
+def test_the_derivative_at_a_tie_is_that_of_one_branch(text, slope):
+    tie = np.ones((1, 1))
+    assert Formula(text).derivatives(tie, tie, ("x",))[0] == slope
+    symbolic = SymbolicFormula(sympy.sympify(text, locals={"x": X, "y": Y} | sympy_functions()))
+    assert symbolic.derivatives(tie, tie, ("x",))[0] == slope
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        (sympy.Max(X, Y, X * Y), "max(x, y, x*y)"),
+        (sympy.Min(X, 1) ** 2, "min(x, 1)**2"),
+        (sympy.Piecewise((X, X >= Y), (Y**2, X > 0.3), (0, True)), "where(x >= y, x, where(x > 0.3, y**2, 0))"),
+        (sympy.Piecewise((sympy.log(X - Y), X > Y), (0, True)), "where(x > y, log(x - y), 0)"),
+    ],
+)
+def test_sympys_choices_are_those_of_formulas(given, text):
+    one, other = SymbolicFormula(given), Formula(text)
+    np.testing.assert_array_equal(one.values(*POINTS), other.values(*POINTS))
+    for first, second in zip(one.derivatives(*POINTS, ALONG), other.derivatives(*POINTS, ALONG), strict=True):
+        np.testing.assert_allclose(*np.broadcast_arrays(first, second), rtol=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +171,12 @@ def test_values_and_derivatives_of_text_do_without_sympy():
         ("x + z", "unknown name 'z'"),
         ("1/0", "no value: float division by zero"),
         ("x^2", "not a power"),
-        ("exp(x, y)", "exp takes exactly one argument"),
+        ("exp(x, y)", "exp takes exactly one argument, and 2 came"),
+        ("where(0 < x < y, x, y)", "with the condition '0 < x < y': it must be one comparison"),
+        ("where(x == y, x, y)", "with the condition 'x == y': it must be one comparison"),
+        ("where(x, x, y)", "with the condition 'x': it must be one comparison"),
+        ("x*(y < 1)", "contains the comparison 'y < 1': a comparison is no value; write where"),
+        ("max(x)", "max takes two arguments or more, and 1 came"),
     ],
 )
 def test_text_that_is_no_formula_is_refused(source, match):

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-import sympy
-
 from gridgen_sym.codegen.kernel import Kernel, Program
 from gridgen_sym.codegen.printer import Printer
 
@@ -14,16 +12,18 @@ class PythonPrinter(Printer):
     """Prints Python with the functions of `math`."""
 
     functions: Mapping[str, str] = {
-        name: f"math.{name}" for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan")
+        name: f"math.{name}"
+        for name in (
+            *("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh"),
+            *("asin", "acos", "atan", "atan2"),
+        )
     } | {"Abs": "abs", "sign": "sign"}
 
     def _general_power(self, base: str, exponent: str) -> str:
         return f"({base})**({exponent})"
 
-    def _choice(self, node: sympy.Piecewise) -> str:
-        (first, condition), (second, _) = node.args
-        test = f"{self.expression(condition.lhs)} {condition.rel_op} {self.expression(condition.rhs)}"
-        return f"(({self.expression(first)}) if {test} else ({self.expression(second)}))"
+    def _choice(self, test: str, first: str, second: str) -> str:
+        return f"(({first}) if {test} else ({second}))"
 
 
 def render(kernel: Kernel) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import sympy
-
 from ...codegen.kernel import Kernel
 from ...codegen.printer import Printer
 from ...codegen.render import render_kernel
@@ -16,15 +14,16 @@ class NumpyPrinter(Printer):
 
     functions: Mapping[str, str] = {
         name: f"np.{name}" for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")
-    } | {"Abs": "np.abs", "sign": "np.sign", "atan": "np.arctan"}
+    } | {
+        **{"Abs": "np.abs", "sign": "np.sign"},
+        **{"asin": "np.arcsin", "acos": "np.arccos", "atan": "np.arctan", "atan2": "np.arctan2"},
+    }
 
     def _general_power(self, base: str, exponent: str) -> str:
         return f"({base})**({exponent})"
 
-    def _choice(self, node: sympy.Piecewise) -> str:
-        (first, condition), (second, _) = node.args
-        test = f"{self.expression(condition.lhs)} {condition.rel_op} {self.expression(condition.rhs)}"
-        return f"np.where({test}, {self.expression(first)}, {self.expression(second)})"
+    def _choice(self, test: str, first: str, second: str) -> str:
+        return f"np.where({test}, {first}, {second})"
 
 
 def render(kernel: Kernel) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 import sympy
 from sympy import Expr
 
+from ...functionals.choices import branches
 from ..coordinates import FIRST_DERIVATIVES, METRIC, chi, root, s, x_xi, y_eta, y_xi
 from ..definiteness import is_nonnegative, without_functions
 
@@ -38,7 +39,7 @@ def lower_bound(density: Expr, *, rotates: bool, degree: Expr | None) -> LowerBo
         degree: its degree of scaling, if it has one.
     """
     least = _smallest_sample(density)
-    if least is None or density.has(sympy.Piecewise):
+    if least is None:
         return LowerBound(None, "sampled")
     if least < 0 and degree is not None and degree != 0:
         return LowerBound(None, "refuted")
@@ -51,7 +52,13 @@ def lower_bound(density: Expr, *, rotates: bool, degree: Expr | None) -> LowerBo
 def _is_bounded(density: Expr, bound: Expr, *, rotates: bool) -> bool:
     """Return whether density - bound is a product of provably non-negative factors."""
     frame = {x_xi: _p, y_xi: 0, y_eta: _r} if rotates else {}
-    rest, positive = without_functions(sympy.Matrix([[(density - bound).subs(METRIC).subs(frame)]]))
+    above = (density - bound).subs(METRIC).subs(frame)
+    # A density with comparisons is bounded if it is for every way to decide them.
+    return any(all(map(_is_nonnegative, cases)) for cases in ([above], branches(above) or [above]))
+
+
+def _is_nonnegative(expression: Expr) -> bool:
+    rest, positive = without_functions(sympy.Matrix([[expression]]))
     return is_nonnegative(rest[0], (_p, _r, s, chi, root, *positive))
 
 

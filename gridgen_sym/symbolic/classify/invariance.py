@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import sympy
 from sympy import Expr, Symbol
 
+from ...functionals.choices import branches, choice
 from ..coordinates import FIRST_DERIVATIVES, METRIC, REGULARIZATION, differentiate, g11, g22, x_eta, x_xi, y_eta, y_xi
 
 # Rational jets with J > 0 at which a claim is tried before any algebra.
@@ -69,7 +70,9 @@ def _vanishes(expression: Expr) -> bool:
     expanded = _expand(expression)
     if any(abs(sympy.N(expanded.subs(jet), 30)) > 1e-20 for jet in _jets(expression)):
         return False
-    return bool(sympy.expand(expanded) == 0 or sympy.simplify(expanded) == 0)
+    # Where comparisons decide, each way to decide them is looked at.
+    cases = branches(expanded) or [expanded]
+    return all(sympy.expand(case) == 0 or sympy.simplify(case) == 0 for case in cases)
 
 
 def _jets(expression: Expr) -> list[dict[Symbol, Expr]]:
@@ -81,6 +84,6 @@ def _jets(expression: Expr) -> list[dict[Symbol, Expr]]:
 def _expand(expression: Expr) -> Expr:
     """Write out the metric, with the branch J > 0 of the regularized barrier."""
     branch = {
-        name: meaning.args[0].expr if meaning.is_Piecewise else meaning for name, meaning in REGULARIZATION.items()
+        name: meaning.args[2] if isinstance(meaning, choice) else meaning for name, meaning in REGULARIZATION.items()
     }
     return expression.subs(branch).subs(branch).subs(METRIC)

@@ -1,4 +1,6 @@
-"""Find where a density has no continuous first derivative although J > 0: kinks of abs(), and roots that vanish.
+"""Find where a density has no continuous first derivative although J > 0: kinks, jumps, and roots that vanish.
+
+Kinks are those of abs(), max() and min(), jumps those of sign(); where() may have either.
 
 Classification and equations hold away from these places. A minimum may sit in a kink, and then need not solve the
 equations.
@@ -15,9 +17,11 @@ from sympy import Expr
 from ...arrays import Array
 from ...functionals.smoothness import rough_part
 from ..coordinates import FIRST_DERIVATIVES, METRIC, J, expand_metric
+from ..definiteness import almost_everywhere
+from ..ties import turning, zeros_between
 
-#: Pairs of corners with J > 0 on whose connecting lines zeros are looked for, and bisections of each line.
-_LINES, _BISECTIONS = 200, 60
+#: Pairs of corners with J > 0 on whose connecting lines zeros are looked for.
+_LINES = 200
 #: Distances from the zero on both sides, along the line: where a jump is measured, and where the slopes beside which
 #: it counts are; the least jump beside them.
 _NEAR, _FAR, _JUMP = 1e-7, 1e-2, 1e-4
@@ -27,8 +31,9 @@ _SIZES = (0.1, 0.3, 1.0, 3.0, 10.0)
 def kinks(density: Expr) -> tuple[Expr, ...]:
     """Return expressions at whose zeros the first derivatives of the density jump or do not exist, where J > 0.
 
-    They are found numerically: zeros of arguments of abs() on lines between random corners, across which a slope
-    jumps; and roots without a derivative where cells are square or rectangular.
+    They are found numerically: zeros of arguments of abs() and sign(), and ties of comparisons, on lines between random
+    corners, across which the value or a slope jumps; and roots, acos() and asin() without a derivative where cells are
+    square or rectangular.
 
     Args:
         density: in the metric symbols, with numbers instead of parameters.
@@ -36,13 +41,19 @@ def kinks(density: Expr) -> tuple[Expr, ...]:
     weightless = density.subs({symbol: 1 for symbol in density.free_symbols - {*METRIC, *FIRST_DERIVATIVES}})
     ends = _corners(2 * _LINES)
     first, last = ends[:, :_LINES], ends[:, _LINES:]
-    arguments = sorted({part.args[0] for part in weightless.atoms(sympy.Abs)}, key=sympy.default_sort_key)
-    found = [argument for argument in arguments if _jumps(weightless, argument, first, last)]
+    found = [argument for argument in turning(weightless) if _jumps(weightless, argument, first, last)]
     rough = rough_part(weightless, _regular_corners(), {})
     if rough is not None and rough.order == 1:
-        base = rough.part.base if rough.part.is_Pow else rough.part
-        found.append(base.args[0] if isinstance(base, sympy.Abs) else base)
+        found.append(_singular(rough.part))
     return tuple(dict.fromkeys(found))
+
+
+def _singular(part: Expr) -> Expr:
+    """Return an expression at whose zeros a part has no derivative."""
+    if isinstance(part, (sympy.acos, sympy.asin)):
+        return 1 - part.args[0] ** 2
+    base = part.base if part.is_Pow else part
+    return base.args[0] if isinstance(base, sympy.Abs) else base
 
 
 def _corners(count: int) -> Array:
@@ -65,28 +76,22 @@ def _regular_corners() -> Array:
 
 
 def _jumps(density: Expr, argument: Expr, first: Array, last: Array) -> bool:
-    """Return whether a slope of the density jumps at a zero of `argument` on one of the lines, where J > 0."""
-    value, jacobian = _function(argument), _function(J)
-    low, high = np.zeros(first.shape[1]), np.ones(first.shape[1])
-    sign = np.sign(value(first))
-    crosses = sign * np.sign(value(last)) < 0
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        same = np.sign(value(first + middle * (last - first))) == sign
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    """Return whether the density or its slope jumps at a zero of `argument` on one of the lines, where J > 0."""
+    crosses, low, _ = zeros_between(_function(argument), first, last)
     at = first + low * (last - first)
-    inside = crosses & (jacobian(at) > 0)
-    slope = _slope(density, last - first)
-    with np.errstate(all="ignore"):
-        sides = {way: slope(at + way * (last - first)) for way in (-_FAR, -_NEAR, _NEAR, _FAR)}
-        jump = ~(np.abs(sides[_NEAR] - sides[-_NEAR]) <= _JUMP * (np.abs(sides[-_FAR]) + np.abs(sides[_FAR])))
+    inside = crosses & (_function(J)(at) > 0)
+    jump = np.zeros_like(inside)
+    for quantity in (_function(density), _slope(density, last - first)):
+        with np.errstate(all="ignore"):
+            sides = {way: quantity(at + way * (last - first)) for way in (-_FAR, -_NEAR, _NEAR, _FAR)}
+            jump |= ~(np.abs(sides[_NEAR] - sides[-_NEAR]) <= _JUMP * (np.abs(sides[-_FAR]) + np.abs(sides[_FAR])))
     return bool((jump & inside).any())
 
 
 def _slope(density: Expr, along: Array) -> Callable[[Array], Array]:
     """Return the derivative of the density along a direction at corners; its impulses count as none."""
     written = expand_metric(density)
-    parts = [_function(sympy.diff(written, p)) for p in FIRST_DERIVATIVES]
+    parts = [_function(almost_everywhere(sympy.diff(written, p))) for p in FIRST_DERIVATIVES]
     return lambda corners: np.asarray(sum(part(corners) * way for part, way in zip(parts, along, strict=True)))
 
 

@@ -15,11 +15,13 @@ import sympy
 from sympy import Expr, Symbol
 
 from ...errors import GridgenError
+from ...functionals.choices import decided_at
 from ...functionals.definition import Functional
 from ...functionals.field_kinds import typical_values
 from ...functionals.metric import symbol
 from ...functionals.variant import Modes
 from ..admissible import admissible
+from ..convexity import convexity
 from ..coordinates import (
     DEFINITIONS,
     DETERMINANTS,
@@ -44,8 +46,11 @@ from ..coordinates import (
     root,
     s,
 )
-from ..definiteness import Definiteness, semidefinite
+from ..definiteness import Definiteness
 from ..values import Values, values_of
+
+#: A Jacobian so near to zero that comparisons in a density stand as they do in the limit.
+_NEAR_ZERO = sympy.Rational(1, 10**30)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +141,7 @@ def has_barrier(functional: Functional) -> bool:
     density = density.subs({symbol(n): sympy.nsimplify(v, rational=True) for n, v in functional.parameters.items()})
     corner = density.subs({s: 1, g11: 2, g22: 3, g12: 1}).subs(dict(zip(FIRST_DERIVATIVES, (1, 1, 1, 1), strict=True)))
     corner = corner.subs({p: sympy.Rational(v) for p, v in _typical(functional).items()})
+    corner = decided_at(corner, {J: _NEAR_ZERO})
     return J in corner.free_symbols and sympy.limit(corner, J, 0, "+") == sympy.oo
 
 
@@ -274,5 +280,5 @@ def _splitting(functional: Functional, variant: Variant) -> Definiteness:
     determinant = sympy.Symbol("D", positive=True)
     split = density.subs({J: determinant, chi: determinant})
     split = expand_metric(split.subs({m: TARGET[m].subs(J, determinant) for m in TARGET_METRIC if TARGET[m].has(J)}))
-    second = sympy.hessian(split, (*FIRST_DERIVATIVES, determinant))
-    return semidefinite(second, nonnegative=(determinant, s), parameters=admissible(functional))
+    variables = (*FIRST_DERIVATIVES, determinant)
+    return convexity(split, variables, positive=(determinant, s), parameters=admissible(functional))
