@@ -31,46 +31,47 @@ INLINE moved_values moved(double v_x, double v_y, double s, double s_x, double s
   return (moved_values){moved_s, moved_s_x, moved_s_y, moved_s_xx, moved_s_xy, moved_s_yy};
 }
 
-typedef struct { double energy, jacobian; } corner_energy_values;
+typedef struct { double energy; } corner_energy_values;
 
-INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_energy_values corner_energy(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)s_x;
   (void)s_y;
   (void)s_xx;
   (void)s_xy;
   (void)s_yy;
   (void)parameters;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double energy = (J*J)*s;
-  const double jacobian = J;
-  return (corner_energy_values){energy, jacobian};
+  return (corner_energy_values){energy};
 }
 
-typedef struct { double energy, jacobian, slope_J, p0, p1; } corner_slopes_values;
+typedef struct { double energy, slope_J, p0, p1; } corner_slopes_values;
 
-INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_slopes_values corner_slopes(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)s_xx;
   (void)s_xy;
   (void)s_yy;
   (void)parameters;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t0 = J*J;
   const double energy = s*t0;
-  const double jacobian = J;
   const double slope_J = 2.0*J*s;
   const double p0 = s_x*t0;
   const double p1 = s_y*t0;
-  return (corner_slopes_values){energy, jacobian, slope_J, p0, p1};
+  return (corner_slopes_values){energy, slope_J, p0, p1};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11; } corner_hessian_values;
+typedef struct { double energy, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11; } corner_hessian_values;
 
-INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_hessian_values corner_hessian(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)parameters;
   const double t1 = 2.0*s;
   const double t3 = t1*y_eta;
   const double t4 = t1*x_xi;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t0 = J*J;
   const double t2 = J*t1;
   const double t5 = 2.0*J;
@@ -79,7 +80,6 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double t8 = t5*y_xi;
   const double t9 = t5*x_xi;
   const double energy = s*t0;
-  const double jacobian = J;
   const double d0 = t2*y_eta;
   const double d1 = -(t2*x_eta);
   const double d2 = -(t2*y_xi);
@@ -107,12 +107,13 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double q00 = s_xx*t0;
   const double q01 = s_xy*t0;
   const double q11 = s_yy*t0;
-  return (corner_hessian_values){energy, jacobian, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11};
+  return (corner_hessian_values){energy, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11};
 }
 
 typedef struct { double h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_semidefinite_values;
 
-INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_semidefinite_values corner_semidefinite(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)s_x;
   (void)s_y;
   (void)s_xx;
@@ -137,9 +138,10 @@ INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, 
 
 typedef struct { double d0, d1, d2, d3, p0, p1; } corner_hessian_vector_values;
 
-INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double v_x, double v_y, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
-  (void)parameters;
+INLINE corner_hessian_vector_values corner_hessian_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double v_x, double v_y, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
   const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
+  (void)parameters;
   const double t0 = 2.0*J;
   const double t1 = s*t0;
   const double t4 = J*J;
@@ -157,7 +159,8 @@ INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_
 
 typedef struct { double d0, d1, d2, d3; } corner_semidefinite_vector_values;
 
-INLINE corner_semidefinite_vector_values corner_semidefinite_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double v_x, double v_y, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_semidefinite_vector_values corner_semidefinite_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double v_x, double v_y, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
   (void)v_x;
   (void)v_y;
   (void)s_x;
@@ -320,17 +323,17 @@ INLINE residual_coefficients_values residual_coefficients(double x_xi, double y_
  *
  * Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q. */
 
-INLINE Vector slope_along_xi(corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
+INLINE Vector slope_along_xi(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
   const double x = c.slope_J*p.y + d.slope_J*q.y;
   const double y = -c.slope_J*p.x - d.slope_J*q.x;
-  (void)c, (void)d, (void)a, (void)p, (void)q;
+  (void)scale, (void)c, (void)d, (void)a, (void)p, (void)q;
   return (Vector){x, y};
 }
 
-INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
+INLINE Vector slope_along_eta(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
   const double x = -c.slope_J*p.y - d.slope_J*q.y;
   const double y = c.slope_J*p.x + d.slope_J*q.x;
-  (void)c, (void)d, (void)b, (void)p, (void)q;
+  (void)scale, (void)c, (void)d, (void)b, (void)p, (void)q;
   return (Vector){x, y};
 }
 
@@ -339,6 +342,9 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 #define KERNEL(function) area_differentiated_##function
 #define POLYCONVEX 1
 #define EULER_LAGRANGE 1
+/* Whether the density is homogeneous in the edge vectors, and its degree. */
+#define HOMOGENEOUS 1
+#define DEGREE 4.0
 /* Whether values move with the nodes. */
 #define MOVING 1
 /* How many planes of values there are, and how they are passed on: VALUE(plane, name, at) for each. */

@@ -17,38 +17,38 @@
 
 /* ---- arithmetic, derived from the density ---- */
 
-typedef struct { double energy, jacobian; } corner_energy_values;
+typedef struct { double energy; } corner_energy_values;
 
-INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
-  (void)parameters;
+INLINE corner_energy_values corner_energy(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
   const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
+  (void)parameters;
   const double energy = (J*J)*s;
-  const double jacobian = J;
-  return (corner_energy_values){energy, jacobian};
+  return (corner_energy_values){energy};
 }
 
-typedef struct { double energy, jacobian, slope_J; } corner_slopes_values;
+typedef struct { double energy, slope_J; } corner_slopes_values;
 
-INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
-  (void)parameters;
+INLINE corner_slopes_values corner_slopes(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
   const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
+  (void)parameters;
   const double energy = (J*J)*s;
-  const double jacobian = J;
   const double slope_J = 2.0*J*s;
-  return (corner_slopes_values){energy, jacobian, slope_J};
+  return (corner_slopes_values){energy, slope_J};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_hessian_values;
+typedef struct { double energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_hessian_values;
 
-INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+INLINE corner_hessian_values corner_hessian(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)parameters;
   const double t0 = 2.0*s;
   const double t2 = t0*y_eta;
   const double t3 = t0*x_xi;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t1 = J*t0;
   const double energy = (J*J)*s;
-  const double jacobian = J;
   const double d0 = t1*y_eta;
   const double d1 = -(t1*x_eta);
   const double d2 = -(t1*y_xi);
@@ -63,12 +63,13 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double h22 = t0*(y_xi*y_xi);
   const double h23 = -(t3*y_xi);
   const double h33 = t0*(x_xi*x_xi);
-  return (corner_hessian_values){energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33};
+  return (corner_hessian_values){energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33};
 }
 
 typedef struct { double h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_semidefinite_values;
 
-INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+INLINE corner_semidefinite_values corner_semidefinite(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)parameters;
   const double t0 = 2.0*s;
   const double t1 = t0*y_eta;
@@ -88,10 +89,11 @@ INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, 
 
 typedef struct { double d0, d1, d2, d3; } corner_hessian_vector_values;
 
-INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double s, const double *restrict parameters) {
+INLINE corner_hessian_vector_values corner_hessian_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double s, const double *restrict parameters) {
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
   (void)parameters;
   const double t0 = 2.0*s;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t1 = J*t0;
   const double along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta;
   const double t2 = along_J*t0;
@@ -104,7 +106,8 @@ INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_
 
 typedef struct { double d0, d1, d2, d3; } corner_semidefinite_vector_values;
 
-INLINE corner_semidefinite_vector_values corner_semidefinite_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double s, const double *restrict parameters) {
+INLINE corner_semidefinite_vector_values corner_semidefinite_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double s, const double *restrict parameters) {
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
   (void)parameters;
   const double along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta;
   const double t0 = 2.0*along_J*s;
@@ -231,17 +234,17 @@ INLINE residual_coefficients_values residual_coefficients(double x_xi, double y_
  *
  * Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q. */
 
-INLINE Vector slope_along_xi(corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
+INLINE Vector slope_along_xi(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
   const double x = c.slope_J*p.y + d.slope_J*q.y;
   const double y = -c.slope_J*p.x - d.slope_J*q.x;
-  (void)c, (void)d, (void)a, (void)p, (void)q;
+  (void)scale, (void)c, (void)d, (void)a, (void)p, (void)q;
   return (Vector){x, y};
 }
 
-INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
+INLINE Vector slope_along_eta(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
   const double x = -c.slope_J*p.y - d.slope_J*q.y;
   const double y = c.slope_J*p.x + d.slope_J*q.x;
-  (void)c, (void)d, (void)b, (void)p, (void)q;
+  (void)scale, (void)c, (void)d, (void)b, (void)p, (void)q;
   return (Vector){x, y};
 }
 
@@ -250,6 +253,9 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 #define KERNEL(function) area_frozen_##function
 #define POLYCONVEX 1
 #define EULER_LAGRANGE 1
+/* Whether the density is homogeneous in the edge vectors, and its degree. */
+#define HOMOGENEOUS 1
+#define DEGREE 4.0
 /* Whether values move with the nodes. */
 #define MOVING 0
 /* How many planes of values there are, and how they are passed on: VALUE(plane, name, at) for each. */

@@ -31,56 +31,57 @@ INLINE moved_values moved(double v_x, double v_y, double s, double s_x, double s
   return (moved_values){moved_s, moved_s_x, moved_s_y, moved_s_xx, moved_s_xy, moved_s_yy};
 }
 
-typedef struct { double energy, jacobian; } corner_energy_values;
+typedef struct { double energy; } corner_energy_values;
 
-INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_energy_values corner_energy(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)s_x;
   (void)s_y;
   (void)s_xx;
   (void)s_xy;
   (void)s_yy;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double energy = (1.0/2.0)*(J*J)*s + parameters[0]*(g11 + g22)*(1.0/J);
-  const double jacobian = J;
-  return (corner_energy_values){energy, jacobian};
+  return (corner_energy_values){energy};
 }
 
-typedef struct { double energy, jacobian, slope_g11, slope_g22, slope_J, p0, p1; } corner_slopes_values;
+typedef struct { double energy, slope_g11, slope_g22, slope_J, p0, p1; } corner_slopes_values;
 
-INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_slopes_values corner_slopes(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)s_xx;
   (void)s_xy;
   (void)s_yy;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
   const double t1 = g11 + g22;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t0 = (1.0/2.0)*(J*J);
   const double t2 = 1.0/J;
   const double t3 = parameters[0]*t2;
   const double energy = s*t0 + t1*t3;
-  const double jacobian = J;
   const double slope_g11 = t3;
   const double slope_g22 = t3;
   const double slope_J = J*s - parameters[0]*t1*(t2*t2);
   const double p0 = s_x*t0;
   const double p1 = s_y*t0;
-  return (corner_slopes_values){energy, jacobian, slope_g11, slope_g22, slope_J, p0, p1};
+  return (corner_slopes_values){energy, slope_g11, slope_g22, slope_J, p0, p1};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11; } corner_hessian_values;
+typedef struct { double energy, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11; } corner_hessian_values;
 
-INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_hessian_values corner_hessian(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   const double t0 = x_eta*x_eta;
   const double t1 = y_eta*y_eta;
   const double t2 = x_eta*y_xi;
   const double t6 = 2.0*parameters[0];
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = t0 + t1;
   const double t5 = parameters[0]*(g11 + g22);
-  const double J = x_xi*y_eta - t2;
   const double t3 = (1.0/2.0)*(J*J);
   const double t4 = 1.0/J;
   const double t7 = t4*t6;
@@ -102,7 +103,6 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double t23 = J*y_xi;
   const double t24 = J*x_xi;
   const double energy = s*t3 + t4*t5;
-  const double jacobian = J;
   const double d0 = t7*x_xi + t9*y_eta;
   const double d1 = t7*y_xi - t9*x_eta;
   const double d2 = t7*x_eta - t9*y_xi;
@@ -130,12 +130,16 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double q00 = s_xx*t3;
   const double q01 = s_xy*t3;
   const double q11 = s_yy*t3;
-  return (corner_hessian_values){energy, jacobian, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11};
+  return (corner_hessian_values){energy, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11};
 }
 
 typedef struct { double h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_semidefinite_values;
 
-INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_semidefinite_values corner_semidefinite(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)s_x;
   (void)s_y;
   (void)s_xx;
@@ -145,9 +149,6 @@ INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, 
   const double t1 = y_eta*y_eta;
   const double t2 = x_eta*y_xi;
   const double t4 = 2.0*parameters[0];
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = t0 + t1;
-  const double J = x_xi*y_eta - t2;
   const double t3 = 1.0/J;
   const double t5 = (t3*t3)*t4;
   const double t6 = s + (t3*t3*t3)*t4*(g11 + g22);
@@ -176,13 +177,14 @@ INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, 
 
 typedef struct { double d0, d1, d2, d3, p0, p1; } corner_hessian_vector_values;
 
-INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double v_x, double v_y, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_hessian_vector_values corner_hessian_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double v_x, double v_y, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
   const double t0 = 2.0*v_x_xi;
   const double t1 = 2.0*v_y_eta;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
   const double t6 = g11 + g22;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t2 = 1.0/J;
   const double t3 = parameters[0]*t2;
   const double t4 = parameters[0]*(t2*t2);
@@ -205,7 +207,11 @@ INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_
 
 typedef struct { double d0, d1, d2, d3; } corner_semidefinite_vector_values;
 
-INLINE corner_semidefinite_vector_values corner_semidefinite_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double v_x, double v_y, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+INLINE corner_semidefinite_vector_values corner_semidefinite_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double v_x, double v_y, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
   (void)v_x;
   (void)v_y;
   (void)s_x;
@@ -215,9 +221,6 @@ INLINE corner_semidefinite_vector_values corner_semidefinite_vector(double x_xi,
   (void)s_yy;
   const double t0 = 2.0*v_x_xi;
   const double t1 = 2.0*v_y_eta;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t2 = 1.0/J;
   const double t3 = parameters[0]*t2;
   const double t4 = parameters[0]*(t2*t2);
@@ -485,17 +488,17 @@ INLINE residual_coefficients_values residual_coefficients(double x_xi, double y_
  *
  * Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q. */
 
-INLINE Vector slope_along_xi(corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
-  const double x = 2.0*(c.slope_g11 + d.slope_g11)*a.x + c.slope_J*p.y + d.slope_J*q.y;
-  const double y = 2.0*(c.slope_g11 + d.slope_g11)*a.y - c.slope_J*p.x - d.slope_J*q.x;
-  (void)c, (void)d, (void)a, (void)p, (void)q;
+INLINE Vector slope_along_xi(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
+  const double x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a.x + c.slope_J*p.y + d.slope_J*q.y;
+  const double y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a.y - c.slope_J*p.x - d.slope_J*q.x;
+  (void)scale, (void)c, (void)d, (void)a, (void)p, (void)q;
   return (Vector){x, y};
 }
 
-INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
-  const double x = 2.0*(c.slope_g22 + d.slope_g22)*b.x - c.slope_J*p.y - d.slope_J*q.y;
-  const double y = 2.0*(c.slope_g22 + d.slope_g22)*b.y + c.slope_J*p.x + d.slope_J*q.x;
-  (void)c, (void)d, (void)b, (void)p, (void)q;
+INLINE Vector slope_along_eta(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
+  const double x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b.x - c.slope_J*p.y - d.slope_J*q.y;
+  const double y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b.y + c.slope_J*p.x + d.slope_J*q.x;
+  (void)scale, (void)c, (void)d, (void)b, (void)p, (void)q;
   return (Vector){x, y};
 }
 
@@ -504,6 +507,9 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 #define KERNEL(function) area_winslow_differentiated_##function
 #define POLYCONVEX 1
 #define EULER_LAGRANGE 1
+/* Whether the density is homogeneous in the edge vectors, and its degree. */
+#define HOMOGENEOUS 0
+#define DEGREE 0.0
 /* Whether values move with the nodes. */
 #define MOVING 1
 /* How many planes of values there are, and how they are passed on: VALUE(plane, name, at) for each. */

@@ -16,38 +16,43 @@
 
 /* ---- arithmetic, derived from the density ---- */
 
-typedef struct { double energy, jacobian; } corner_energy_values;
+typedef struct { double energy; } corner_energy_values;
 
-INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double g12 = x_eta*x_xi + y_eta*y_xi;
-  const double J = x_xi*y_eta - x_eta*y_xi;
+INLINE corner_energy_values corner_energy(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   const double energy = (J*J)*parameters[0]*s + (g12*g12)*parameters[2] + parameters[1]*(g11 + g22);
-  const double jacobian = J;
-  return (corner_energy_values){energy, jacobian};
+  return (corner_energy_values){energy};
 }
 
-typedef struct { double energy, jacobian, slope_g11, slope_g22, slope_g12, slope_J; } corner_slopes_values;
+typedef struct { double energy, slope_g11, slope_g22, slope_g12, slope_J; } corner_slopes_values;
 
-INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+INLINE corner_slopes_values corner_slopes(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   const double t0 = parameters[0]*s;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double g12 = x_eta*x_xi + y_eta*y_xi;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double energy = (J*J)*t0 + (g12*g12)*parameters[2] + parameters[1]*(g11 + g22);
-  const double jacobian = J;
   const double slope_g11 = parameters[1];
   const double slope_g22 = parameters[1];
   const double slope_g12 = 2.0*g12*parameters[2];
   const double slope_J = 2.0*J*t0;
-  return (corner_slopes_values){energy, jacobian, slope_g11, slope_g22, slope_g12, slope_J};
+  return (corner_slopes_values){energy, slope_g11, slope_g22, slope_g12, slope_J};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_hessian_values;
+typedef struct { double energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_hessian_values;
 
-INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+INLINE corner_hessian_values corner_hessian(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   const double t0 = x_xi*x_xi;
   const double t1 = y_xi*y_xi;
   const double t2 = x_eta*x_eta;
@@ -60,14 +65,9 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double t9 = 2.0*parameters[2];
   const double t11 = 2.0*t7;
   const double t13 = x_xi*y_eta;
-  const double g11 = t0 + t1;
-  const double g22 = t2 + t3;
-  const double g12 = t4 + t5;
   const double t10 = g12*t9;
-  const double J = x_xi*y_eta - t6;
   const double t12 = J*t11;
   const double energy = (J*J)*t7 + (g12*g12)*parameters[2] + parameters[1]*(g11 + g22);
-  const double jacobian = J;
   const double d0 = t10*x_eta + t12*y_eta + t8*x_xi;
   const double d1 = t10*y_eta + t8*y_xi - t12*x_eta;
   const double d2 = t10*x_xi + t8*x_eta - t12*y_xi;
@@ -82,12 +82,15 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double h22 = t0*t9 + t1*t11 + t8;
   const double h23 = 2.0*parameters[2]*x_xi*y_xi - t11*x_xi*y_xi;
   const double h33 = t0*t11 + t1*t9 + t8;
-  return (corner_hessian_values){energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33};
+  return (corner_hessian_values){energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33};
 }
 
 typedef struct { double h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_semidefinite_values;
 
-INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+INLINE corner_semidefinite_values corner_semidefinite(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double s, const double *restrict parameters) {
+  const double g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   const double t0 = x_eta*x_xi;
   const double t1 = y_eta*y_xi;
   const double t2 = x_eta*y_xi;
@@ -99,9 +102,7 @@ INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, 
   const double t10 = x_xi*y_eta;
   const double t11 = x_xi*x_xi;
   const double t12 = y_xi*y_xi;
-  const double g12 = t0 + t1;
   const double t8 = g12*t5;
-  const double J = x_xi*y_eta - t2;
   const double t9 = J*t7;
   const double h00 = t3 + t4*t5 + t6*t7;
   const double h01 = 2.0*parameters[2]*x_eta*y_eta - t7*x_eta*y_eta;
@@ -118,13 +119,14 @@ INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, 
 
 typedef struct { double d0, d1, d2, d3; } corner_hessian_vector_values;
 
-INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double s, const double *restrict parameters) {
+INLINE corner_hessian_vector_values corner_hessian_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, double s, const double *restrict parameters) {
+  const double g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta);
+  const double J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi);
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
   const double t0 = 2.0*parameters[1];
   const double t1 = 2.0*parameters[2];
   const double t4 = 2.0*parameters[0]*s;
-  const double g12 = x_eta*x_xi + y_eta*y_xi;
   const double t3 = g12*t1;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t5 = J*t4;
   const double along_g12 = v_x_eta*x_xi + v_x_xi*x_eta + v_y_eta*y_xi + v_y_xi*y_eta;
   const double t2 = along_g12*t1;
@@ -299,17 +301,17 @@ INLINE residual_coefficients_values residual_coefficients(double x_xi, double y_
  *
  * Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q. */
 
-INLINE Vector slope_along_xi(corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
-  const double x = 2.0*(c.slope_g11 + d.slope_g11)*a.x + c.slope_g12*p.x + c.slope_J*p.y + d.slope_g12*q.x + d.slope_J*q.y;
-  const double y = 2.0*(c.slope_g11 + d.slope_g11)*a.y + c.slope_g12*p.y - c.slope_J*p.x + d.slope_g12*q.y - d.slope_J*q.x;
-  (void)c, (void)d, (void)a, (void)p, (void)q;
+INLINE Vector slope_along_xi(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
+  const double x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a.x + c.slope_g12*p.x + c.slope_J*p.y + d.slope_g12*q.x + d.slope_J*q.y;
+  const double y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a.y + c.slope_g12*p.y - c.slope_J*p.x + d.slope_g12*q.y - d.slope_J*q.x;
+  (void)scale, (void)c, (void)d, (void)a, (void)p, (void)q;
   return (Vector){x, y};
 }
 
-INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
-  const double x = 2.0*(c.slope_g22 + d.slope_g22)*b.x + c.slope_g12*p.x - c.slope_J*p.y + d.slope_g12*q.x - d.slope_J*q.y;
-  const double y = 2.0*(c.slope_g22 + d.slope_g22)*b.y + c.slope_g12*p.y + c.slope_J*p.x + d.slope_g12*q.y + d.slope_J*q.x;
-  (void)c, (void)d, (void)b, (void)p, (void)q;
+INLINE Vector slope_along_eta(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
+  const double x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b.x + c.slope_g12*p.x - c.slope_J*p.y + d.slope_g12*q.x - d.slope_J*q.y;
+  const double y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b.y + c.slope_g12*p.y + c.slope_J*p.x + d.slope_g12*q.y + d.slope_J*q.x;
+  (void)scale, (void)c, (void)d, (void)b, (void)p, (void)q;
   return (Vector){x, y};
 }
 
@@ -318,6 +320,9 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 #define KERNEL(function) combined_frozen_##function
 #define POLYCONVEX 0
 #define EULER_LAGRANGE 1
+/* Whether the density is homogeneous in the edge vectors, and its degree. */
+#define HOMOGENEOUS 0
+#define DEGREE 0.0
 /* Whether values move with the nodes. */
 #define MOVING 0
 /* How many planes of values there are, and how they are passed on: VALUE(plane, name, at) for each. */

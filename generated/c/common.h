@@ -50,8 +50,15 @@ typedef struct {
   int64_t stride, plane;      /* doubles from a row, and from a component, to the next */
   int64_t interior_only;      /* leave out the corners at nodes of the block's edge */
   int64_t threads;
-  double h_xi, h_eta;         /* spacing of the logical coordinates, for the Euler-Lagrange kernels */
+  double h_xi, h_eta;         /* steps of the logical coordinates from a node to the next */
 } Block;
+
+/* How the steps enter a sum over corners, as `scales_of` has it: what edge vectors along xi and eta are multiplied by, and
+ * so their squares, and products of both; what the sum is multiplied by; what all derivatives in the nodes are multiplied by; and
+ * relative to that, those in one coordinate of an edge (1/eta, 1/xi), in two, and in the position (1/(xi eta)). */
+typedef struct {
+  double xi, eta, xi_xi, eta_eta, xi_eta, energy, derivatives, per_xi, per_eta, xi_over_eta, eta_over_xi, per_both;
+} Scales;
 
 /* Run WORK(first, last) on a share of the block's rows in every thread. */
 #ifdef _OPENMP
@@ -88,6 +95,12 @@ typedef struct { double x, y; } Vector;
 /* The edge of a cell from one node to another. */
 INLINE Vector edge(const double *x, const double *y, int64_t begin, int64_t end) {
   return (Vector){x[end] - x[begin], y[end] - y[begin]};
+}
+
+/* The smallest Jacobian of a cell: of the edges themselves, so that no step decides by its rounding about a sign. */
+INLINE double jacobian(Vector a, Vector b) { return a.x * b.y - b.x * a.y; }
+INLINE double smallest_jacobian(Vector a0, Vector a1, Vector b0, Vector b1) {
+  return lower(lower(jacobian(a0, b0), jacobian(a0, b1)), lower(jacobian(a1, b0), jacobian(a1, b1)));
 }
 
 #endif

@@ -17,46 +17,47 @@
 
 /* ---- arithmetic, derived from the density ---- */
 
-typedef struct { double energy, jacobian; } corner_energy_values;
+typedef struct { double energy; } corner_energy_values;
 
-INLINE corner_energy_values corner_energy(double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
-  (void)parameters;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
+INLINE corner_energy_values corner_energy(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
   const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
+  (void)parameters;
   const double energy = (g11 + g22)*(1.0/J);
-  const double jacobian = J;
-  return (corner_energy_values){energy, jacobian};
+  return (corner_energy_values){energy};
 }
 
-typedef struct { double energy, jacobian, slope_g11, slope_g22, slope_J; } corner_slopes_values;
+typedef struct { double energy, slope_g11, slope_g22, slope_J; } corner_slopes_values;
 
-INLINE corner_slopes_values corner_slopes(double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
-  (void)parameters;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double t1 = g11 + g22;
+INLINE corner_slopes_values corner_slopes(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
   const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
+  (void)parameters;
+  const double t1 = g11 + g22;
   const double t0 = 1.0/J;
   const double energy = t0*t1;
-  const double jacobian = J;
   const double slope_g11 = t0;
   const double slope_g22 = t0;
   const double slope_J = -((t0*t0)*t1);
-  return (corner_slopes_values){energy, jacobian, slope_g11, slope_g22, slope_J};
+  return (corner_slopes_values){energy, slope_g11, slope_g22, slope_J};
 }
 
-typedef struct { double energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_hessian_values;
+typedef struct { double energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_hessian_values;
 
-INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
+INLINE corner_hessian_values corner_hessian(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)parameters;
   const double t0 = x_eta*x_eta;
   const double t1 = y_eta*y_eta;
   const double t2 = x_eta*y_xi;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = t0 + t1;
   const double t4 = g11 + g22;
-  const double J = x_xi*y_eta - t2;
   const double t3 = 1.0/J;
   const double t5 = 2.0*t3;
   const double t6 = t3*t3;
@@ -74,7 +75,6 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double t18 = t2*t8 + t5;
   const double t19 = -t14 - t16*y_xi;
   const double energy = t3*t4;
-  const double jacobian = J;
   const double d0 = t5*x_xi - t7*y_eta;
   const double d1 = t5*y_xi + t7*x_eta;
   const double d2 = t5*x_eta + t7*y_xi;
@@ -89,20 +89,21 @@ INLINE corner_hessian_values corner_hessian(double x_xi, double y_xi, double x_e
   const double h22 = t18 - t19*y_xi;
   const double h23 = t13 + t19*x_xi;
   const double h33 = t11 + x_xi*(t16*x_xi - t8*y_eta);
-  return (corner_hessian_values){energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33};
+  return (corner_hessian_values){energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33};
 }
 
 typedef struct { double h00, h01, h02, h03, h11, h12, h13, h22, h23, h33; } corner_semidefinite_values;
 
-INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
+INLINE corner_semidefinite_values corner_semidefinite(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta;
   (void)parameters;
   const double t0 = x_eta*x_eta;
   const double t1 = y_eta*y_eta;
   const double t2 = x_eta*y_xi;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = t0 + t1;
   const double t5 = g11 + g22;
-  const double J = x_xi*y_eta - t2;
   const double t3 = 1.0/J;
   const double t4 = 2.0*(t3*t3);
   const double t6 = t3*t3*t3;
@@ -132,12 +133,13 @@ INLINE corner_semidefinite_values corner_semidefinite(double x_xi, double y_xi, 
 
 typedef struct { double d0, d1, d2, d3; } corner_hessian_vector_values;
 
-INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, const double *restrict parameters) {
-  (void)parameters;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double t3 = g11 + g22;
+INLINE corner_hessian_vector_values corner_hessian_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
   const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
+  (void)parameters;
+  const double t3 = g11 + g22;
   const double t0 = 1.0/J;
   const double t1 = t0*t0;
   const double t4 = t1*t3;
@@ -155,13 +157,14 @@ INLINE corner_hessian_vector_values corner_hessian_vector(double x_xi, double y_
 
 typedef struct { double d0, d1, d2, d3; } corner_semidefinite_vector_values;
 
-INLINE corner_semidefinite_vector_values corner_semidefinite_vector(double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, const double *restrict parameters) {
+INLINE corner_semidefinite_vector_values corner_semidefinite_vector(Scales scale, double x_xi, double y_xi, double x_eta, double y_eta, double v_x_xi, double v_y_xi, double v_x_eta, double v_y_eta, const double *restrict parameters) {
+  const double g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi);
+  const double g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta);
+  const double J = x_xi*y_eta - x_eta*y_xi;
+  x_xi *= scale.xi, y_xi *= scale.xi, x_eta *= scale.eta, y_eta *= scale.eta, v_x_xi *= scale.xi, v_y_xi *= scale.xi, v_x_eta *= scale.eta, v_y_eta *= scale.eta;
   (void)parameters;
   const double t0 = 2.0*v_x_xi;
   const double t1 = 2.0*v_y_eta;
-  const double g11 = x_xi*x_xi + y_xi*y_xi;
-  const double g22 = x_eta*x_eta + y_eta*y_eta;
-  const double J = x_xi*y_eta - x_eta*y_xi;
   const double t2 = 1.0/J;
   const double t3 = t2*t2;
   const double along_g11 = t0*x_xi + 2.0*v_y_xi*y_xi;
@@ -257,17 +260,17 @@ INLINE residual_coefficients_values residual_coefficients(double x_xi, double y_
  *
  * Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q. */
 
-INLINE Vector slope_along_xi(corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
-  const double x = 2.0*(c.slope_g11 + d.slope_g11)*a.x + c.slope_J*p.y + d.slope_J*q.y;
-  const double y = 2.0*(c.slope_g11 + d.slope_g11)*a.y - c.slope_J*p.x - d.slope_J*q.x;
-  (void)c, (void)d, (void)a, (void)p, (void)q;
+INLINE Vector slope_along_xi(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector a, Vector p, Vector q) {
+  const double x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a.x + c.slope_J*p.y + d.slope_J*q.y;
+  const double y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a.y - c.slope_J*p.x - d.slope_J*q.x;
+  (void)scale, (void)c, (void)d, (void)a, (void)p, (void)q;
   return (Vector){x, y};
 }
 
-INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
-  const double x = 2.0*(c.slope_g22 + d.slope_g22)*b.x - c.slope_J*p.y - d.slope_J*q.y;
-  const double y = 2.0*(c.slope_g22 + d.slope_g22)*b.y + c.slope_J*p.x + d.slope_J*q.x;
-  (void)c, (void)d, (void)b, (void)p, (void)q;
+INLINE Vector slope_along_eta(Scales scale, corner_slopes_values c, corner_slopes_values d, Vector b, Vector p, Vector q) {
+  const double x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b.x - c.slope_J*p.y - d.slope_J*q.y;
+  const double y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b.y + c.slope_J*p.x + d.slope_J*q.x;
+  (void)scale, (void)c, (void)d, (void)b, (void)p, (void)q;
   return (Vector){x, y};
 }
 
@@ -276,6 +279,9 @@ INLINE Vector slope_along_eta(corner_slopes_values c, corner_slopes_values d, Ve
 #define KERNEL(function) winslow_##function
 #define POLYCONVEX 1
 #define EULER_LAGRANGE 1
+/* Whether the density is homogeneous in the edge vectors, and its degree. */
+#define HOMOGENEOUS 1
+#define DEGREE 0.0
 /* Whether values move with the nodes. */
 #define MOVING 0
 /* How many planes of values there are, and how they are passed on: VALUE(plane, name, at) for each. */

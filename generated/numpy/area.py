@@ -11,37 +11,38 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, parameters):
     J = x_xi*y_eta - x_eta*y_xi
     energy = J*J
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_J")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_J")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, parameters):
     J = x_xi*y_eta - x_eta*y_xi
     energy = J*J
-    jacobian = J
     slope_J = 2.0*J
-    return corner_slopes_values(energy, jacobian, slope_J)
+    return corner_slopes_values(energy, slope_J)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t1 = 2.0*y_eta
     t2 = 2.0*x_xi
-    J = x_xi*y_eta - x_eta*y_xi
     t0 = 2.0*J
     energy = J*J
-    jacobian = J
     d0 = t0*y_eta
     d1 = -(t0*x_eta)
     d2 = -(t0*y_xi)
@@ -56,13 +57,17 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
     h22 = 2.0*(y_xi*y_xi)
     h23 = -(t2*y_xi)
     h33 = 2.0*(x_xi*x_xi)
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = 2.0*y_eta
     t1 = 2.0*x_eta
     h00 = 2.0*(y_eta*y_eta)
@@ -81,8 +86,16 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
     J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = 2.0*J
     along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta
     t1 = 2.0*along_J
@@ -96,7 +109,15 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
 corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
 
 
-def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+def corner_semidefinite_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta
     t0 = 2.0*along_J
     d0 = t0*y_eta
@@ -200,13 +221,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
+def slope_along_xi(scale, c, d, a, p, q):
     x = c.slope_J*p[1] + d.slope_J*q[1]
     y = -c.slope_J*p[0] - d.slope_J*q[0]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
+def slope_along_eta(scale, c, d, b, p, q):
     x = -c.slope_J*p[1] - d.slope_J*q[1]
     y = c.slope_J*p[0] + d.slope_J*q[0]
     return x, y

@@ -24,38 +24,40 @@ def moved(v_x, v_y, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
     return moved_values(moved_s, moved_s_x, moved_s_y, moved_s_xx, moved_s_xy, moved_s_yy)
 
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
     J = x_xi*y_eta - x_eta*y_xi
     energy = (J*J)*s
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_J p0 p1")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_J p0 p1")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
     J = x_xi*y_eta - x_eta*y_xi
     t0 = J*J
     energy = s*t0
-    jacobian = J
     slope_J = 2.0*J*s
     p0 = s_x*t0
     p1 = s_y*t0
-    return corner_slopes_values(energy, jacobian, slope_J, p0, p1)
+    return corner_slopes_values(energy, slope_J, p0, p1)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 p0 p1 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33 c00 c01 c10 c11 c20 c21 c30 c31 q00 q01 q11")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 p0 p1 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33 c00 c01 c10 c11 c20 c21 c30 c31 q00 q01 q11")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+    J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t1 = 2.0*s
     t3 = t1*y_eta
     t4 = t1*x_xi
-    J = x_xi*y_eta - x_eta*y_xi
     t0 = J*J
     t2 = J*t1
     t5 = 2.0*J
@@ -64,7 +66,6 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, para
     t8 = t5*y_xi
     t9 = t5*x_xi
     energy = s*t0
-    jacobian = J
     d0 = t2*y_eta
     d1 = -(t2*x_eta)
     d2 = -(t2*y_xi)
@@ -92,13 +93,17 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, para
     q00 = s_xx*t0
     q01 = s_xy*t0
     q11 = s_yy*t0
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11)
+    return corner_hessian_values(energy, d0, d1, d2, d3, p0, p1, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33, c00, c01, c10, c11, c20, c21, c30, c31, q00, q01, q11)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = 2.0*s
     t1 = t0*y_eta
     t2 = t0*x_eta
@@ -118,8 +123,16 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, s_x, s_y, s_xx, s_xy, s_yy,
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3 p0 p1")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, v_x, v_y, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, v_x, v_y, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
     J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = 2.0*J
     t1 = s*t0
     t4 = J*J
@@ -138,7 +151,15 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
 corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
 
 
-def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, v_x, v_y, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+def corner_semidefinite_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, v_x, v_y, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta
     t0 = 2.0*along_J*s
     d0 = t0*y_eta
@@ -288,13 +309,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
+def slope_along_xi(scale, c, d, a, p, q):
     x = c.slope_J*p[1] + d.slope_J*q[1]
     y = -c.slope_J*p[0] - d.slope_J*q[0]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
+def slope_along_eta(scale, c, d, b, p, q):
     x = -c.slope_J*p[1] - d.slope_J*q[1]
     y = c.slope_J*p[0] + d.slope_J*q[0]
     return x, y

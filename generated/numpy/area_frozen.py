@@ -11,38 +11,39 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
     J = x_xi*y_eta - x_eta*y_xi
     energy = (J*J)*s
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_J")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_J")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
     J = x_xi*y_eta - x_eta*y_xi
     energy = (J*J)*s
-    jacobian = J
     slope_J = 2.0*J*s
-    return corner_slopes_values(energy, jacobian, slope_J)
+    return corner_slopes_values(energy, slope_J)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = 2.0*s
     t2 = t0*y_eta
     t3 = t0*x_xi
-    J = x_xi*y_eta - x_eta*y_xi
     t1 = J*t0
     energy = (J*J)*s
-    jacobian = J
     d0 = t1*y_eta
     d1 = -(t1*x_eta)
     d2 = -(t1*y_xi)
@@ -57,13 +58,17 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, parameters):
     h22 = t0*(y_xi*y_xi)
     h23 = -(t3*y_xi)
     h33 = t0*(x_xi*x_xi)
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = 2.0*s
     t1 = t0*y_eta
     t2 = t0*x_eta
@@ -83,9 +88,17 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
-    t0 = 2.0*s
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
     J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
+    t0 = 2.0*s
     t1 = J*t0
     along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta
     t2 = along_J*t0
@@ -99,7 +112,15 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
 corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
 
 
-def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
+def corner_semidefinite_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     along_J = v_x_xi*y_eta + v_y_eta*x_xi - v_x_eta*y_xi - v_y_xi*x_eta
     t0 = 2.0*along_J*s
     d0 = t0*y_eta
@@ -226,13 +247,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
+def slope_along_xi(scale, c, d, a, p, q):
     x = c.slope_J*p[1] + d.slope_J*q[1]
     y = -c.slope_J*p[0] - d.slope_J*q[0]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
+def slope_along_eta(scale, c, d, b, p, q):
     x = -c.slope_J*p[1] - d.slope_J*q[1]
     y = c.slope_J*p[0] + d.slope_J*q[0]
     return x, y

@@ -11,48 +11,50 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, s, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - x_eta*y_xi
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
     energy = (1.0/2.0)*(J*J)*s + parameters[0]*(g11 + g22)*(1.0/J)
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_g11 slope_g22 slope_J")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_g11 slope_g22 slope_J")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, s, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
     t0 = g11 + g22
-    J = x_xi*y_eta - x_eta*y_xi
     t1 = 1.0/J
     t2 = parameters[0]*t1
     energy = (1.0/2.0)*(J*J)*s + t0*t2
-    jacobian = J
     slope_g11 = t2
     slope_g22 = t2
     slope_J = J*s - parameters[0]*t0*(t1*t1)
-    return corner_slopes_values(energy, jacobian, slope_g11, slope_g22, slope_J)
+    return corner_slopes_values(energy, slope_g11, slope_g22, slope_J)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_eta*x_eta
     t1 = y_eta*y_eta
     t2 = x_eta*y_xi
     t5 = 2.0*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = t0 + t1
     t4 = parameters[0]*(g11 + g22)
-    J = x_xi*y_eta - t2
     t3 = 1.0/J
     t6 = t3*t5
     t7 = t3*t3
@@ -69,7 +71,6 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, parameters):
     t18 = t2*t9 + t6
     t19 = -(t10*y_xi) - t15
     energy = (1.0/2.0)*(J*J)*s + t3*t4
-    jacobian = J
     d0 = t6*x_xi + t8*y_eta
     d1 = t6*y_xi - t8*x_eta
     d2 = t6*x_eta - t8*y_xi
@@ -84,20 +85,24 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, parameters):
     h22 = t18 - t19*y_xi
     h23 = t14 + t19*x_xi
     h33 = t12 + x_xi*(t10*x_xi - t9*y_eta)
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_eta*x_eta
     t1 = y_eta*y_eta
     t2 = x_eta*y_xi
     t4 = 2.0*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = t0 + t1
-    J = x_xi*y_eta - t2
     t3 = 1.0/J
     t5 = (t3*t3)*t4
     t6 = s + (t3*t3*t3)*t4*(g11 + g22)
@@ -127,13 +132,21 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = 2.0*v_x_xi
     t1 = 2.0*v_y_eta
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
     t6 = g11 + g22
-    J = x_xi*y_eta - x_eta*y_xi
     t2 = 1.0/J
     t3 = parameters[0]*t2
     t4 = parameters[0]*(t2*t2)
@@ -153,12 +166,20 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
 corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
 
 
-def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
+def corner_semidefinite_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = 2.0*v_x_xi
     t1 = 2.0*v_y_eta
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - x_eta*y_xi
     t2 = 1.0/J
     t3 = parameters[0]*t2
     t4 = parameters[0]*(t2*t2)
@@ -402,13 +423,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
-    x = 2.0*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_J*p[1] + d.slope_J*q[1]
-    y = 2.0*(c.slope_g11 + d.slope_g11)*a[1] - c.slope_J*p[0] - d.slope_J*q[0]
+def slope_along_xi(scale, c, d, a, p, q):
+    x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_J*p[1] + d.slope_J*q[1]
+    y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[1] - c.slope_J*p[0] - d.slope_J*q[0]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
-    x = 2.0*(c.slope_g22 + d.slope_g22)*b[0] - c.slope_J*p[1] - d.slope_J*q[1]
-    y = 2.0*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_J*p[0] + d.slope_J*q[0]
+def slope_along_eta(scale, c, d, b, p, q):
+    x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[0] - c.slope_J*p[1] - d.slope_J*q[1]
+    y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_J*p[0] + d.slope_J*q[0]
     return x, y

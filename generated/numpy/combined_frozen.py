@@ -11,41 +11,47 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, s, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    g12 = x_eta*x_xi + y_eta*y_xi
-    J = x_xi*y_eta - x_eta*y_xi
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
     energy = (J*J)*parameters[0]*s + (g12*g12)*parameters[2] + parameters[1]*(g11 + g22)
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_g11 slope_g22 slope_g12 slope_J")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_g11 slope_g22 slope_g12 slope_J")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
     t0 = parameters[0]*s
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    g12 = x_eta*x_xi + y_eta*y_xi
-    J = x_xi*y_eta - x_eta*y_xi
     energy = (J*J)*t0 + (g12*g12)*parameters[2] + parameters[1]*(g11 + g22)
-    jacobian = J
     slope_g11 = parameters[1]
     slope_g22 = parameters[1]
     slope_g12 = 2.0*g12*parameters[2]
     slope_J = 2.0*J*t0
-    return corner_slopes_values(energy, jacobian, slope_g11, slope_g22, slope_g12, slope_J)
+    return corner_slopes_values(energy, slope_g11, slope_g22, slope_g12, slope_J)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_xi*x_xi
     t1 = y_xi*y_xi
     t2 = x_eta*x_eta
@@ -58,14 +64,9 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, parameters):
     t9 = 2.0*parameters[2]
     t11 = 2.0*t7
     t13 = x_xi*y_eta
-    g11 = t0 + t1
-    g22 = t2 + t3
-    g12 = t4 + t5
     t10 = g12*t9
-    J = x_xi*y_eta - t6
     t12 = J*t11
     energy = (J*J)*t7 + (g12*g12)*parameters[2] + parameters[1]*(g11 + g22)
-    jacobian = J
     d0 = t10*x_eta + t12*y_eta + t8*x_xi
     d1 = t10*y_eta + t8*y_xi - t12*x_eta
     d2 = t10*x_xi + t8*x_eta - t12*y_xi
@@ -80,13 +81,19 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, s, parameters):
     h22 = t0*t9 + t1*t11 + t8
     h23 = 2.0*parameters[2]*x_xi*y_xi - t11*x_xi*y_xi
     h33 = t0*t11 + t1*t9 + t8
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, s, parameters):
+    g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_eta*x_xi
     t1 = y_eta*y_xi
     t2 = x_eta*y_xi
@@ -98,9 +105,7 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, parameters):
     t10 = x_xi*y_eta
     t11 = x_xi*x_xi
     t12 = y_xi*y_xi
-    g12 = t0 + t1
     t8 = g12*t5
-    J = x_xi*y_eta - t2
     t9 = J*t7
     h00 = t3 + t4*t5 + t6*t7
     h01 = 2.0*parameters[2]*x_eta*y_eta - t7*x_eta*y_eta
@@ -118,13 +123,21 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, s, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, s, parameters):
+    g12 = scale.xi_eta*(x_xi*x_eta + y_xi*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = 2.0*parameters[1]
     t1 = 2.0*parameters[2]
     t4 = 2.0*parameters[0]*s
-    g12 = x_eta*x_xi + y_eta*y_xi
     t3 = g12*t1
-    J = x_xi*y_eta - x_eta*y_xi
     t5 = J*t4
     along_g12 = v_x_eta*x_xi + v_x_xi*x_eta + v_y_eta*y_xi + v_y_xi*y_eta
     t2 = along_g12*t1
@@ -303,13 +316,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
-    x = 2.0*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_g12*p[0] + c.slope_J*p[1] + d.slope_g12*q[0] + d.slope_J*q[1]
-    y = 2.0*(c.slope_g11 + d.slope_g11)*a[1] + c.slope_g12*p[1] - c.slope_J*p[0] + d.slope_g12*q[1] - d.slope_J*q[0]
+def slope_along_xi(scale, c, d, a, p, q):
+    x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_g12*p[0] + c.slope_J*p[1] + d.slope_g12*q[0] + d.slope_J*q[1]
+    y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[1] + c.slope_g12*p[1] - c.slope_J*p[0] + d.slope_g12*q[1] - d.slope_J*q[0]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
-    x = 2.0*(c.slope_g22 + d.slope_g22)*b[0] + c.slope_g12*p[0] - c.slope_J*p[1] + d.slope_g12*q[0] - d.slope_J*q[1]
-    y = 2.0*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_g12*p[1] + c.slope_J*p[0] + d.slope_g12*q[1] + d.slope_J*q[0]
+def slope_along_eta(scale, c, d, b, p, q):
+    x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[0] + c.slope_g12*p[0] - c.slope_J*p[1] + d.slope_g12*q[0] - d.slope_J*q[1]
+    y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_g12*p[1] + c.slope_J*p[0] + d.slope_g12*q[1] + d.slope_J*q[0]
     return x, y

@@ -11,68 +11,71 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - x_eta*y_xi
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
     energy = (1.0/2.0)*g11*g22
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_g11 slope_g22")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_g11 slope_g22")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
     t0 = (1.0/2.0)*g22
-    J = x_xi*y_eta - x_eta*y_xi
     energy = g11*t0
-    jacobian = J
     slope_g11 = t0
     slope_g22 = (1.0/2.0)*g11
-    return corner_slopes_values(energy, jacobian, slope_g11, slope_g22)
+    return corner_slopes_values(energy, slope_g11, slope_g22)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
-    t0 = x_eta*y_xi
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - t0
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    t0 = 2.0*x_xi
+    t1 = 2.0*y_xi
     energy = (1.0/2.0)*g11*g22
-    jacobian = J
     d0 = g22*x_xi
     d1 = g22*y_xi
     d2 = g11*x_eta
     d3 = g11*y_eta
     h00 = g22
     h01 = 0.0
-    h02 = 2.0*x_eta*x_xi
-    h03 = 2.0*x_xi*y_eta
+    h02 = t0*x_eta
+    h03 = t0*y_eta
     h11 = g22
-    h12 = 2.0*t0
-    h13 = 2.0*y_eta*y_xi
+    h12 = t1*x_eta
+    h13 = t1*y_eta
     h22 = g11
     h23 = 0.0
     h33 = g11
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = 2.0*x_xi
     t1 = 2.0*y_xi
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
     h00 = g22
     h01 = 0.0
     h02 = t0*x_eta
@@ -89,9 +92,17 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     along_g11 = 2.0*v_x_xi*x_xi + 2.0*v_y_xi*y_xi
     along_g22 = 2.0*v_x_eta*x_eta + 2.0*v_y_eta*y_eta
     d0 = along_g22*x_xi + g22*v_x_xi
@@ -188,13 +199,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
-    x = 2.0*(c.slope_g11 + d.slope_g11)*a[0]
-    y = 2.0*(c.slope_g11 + d.slope_g11)*a[1]
+def slope_along_xi(scale, c, d, a, p, q):
+    x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[0]
+    y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[1]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
-    x = 2.0*(c.slope_g22 + d.slope_g22)*b[0]
-    y = 2.0*(c.slope_g22 + d.slope_g22)*b[1]
+def slope_along_eta(scale, c, d, b, p, q):
+    x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[0]
+    y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[1]
     return x, y

@@ -11,78 +11,82 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    g12 = x_eta*x_xi + y_eta*y_xi
-    J = x_xi*y_eta - x_eta*y_xi
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = x_xi*x_eta + y_xi*y_eta
     energy = g11*g11 + 2.0*(g12*g12) + g22*g22
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_g11 slope_g22 slope_g12")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_g11 slope_g22 slope_g12")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    g12 = x_eta*x_xi + y_eta*y_xi
-    J = x_xi*y_eta - x_eta*y_xi
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = x_xi*x_eta + y_xi*y_eta
     energy = g11*g11 + 2.0*(g12*g12) + g22*g22
-    jacobian = J
     slope_g11 = 2.0*g11
     slope_g22 = 2.0*g22
     slope_g12 = 4.0*g12
-    return corner_slopes_values(energy, jacobian, slope_g11, slope_g22, slope_g12)
+    return corner_slopes_values(energy, slope_g11, slope_g22, slope_g12)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = x_xi*x_eta + y_xi*y_eta
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_xi*x_xi
     t1 = y_xi*y_xi
     t2 = x_eta*x_eta
     t3 = y_eta*y_eta
     t4 = x_eta*x_xi
     t5 = y_eta*y_xi
-    t6 = x_eta*y_xi
-    t10 = x_eta*y_eta
-    t11 = x_xi*y_xi
-    g11 = t0 + t1
-    t7 = 4.0*g11
-    g22 = t2 + t3
-    t9 = 4.0*g22
-    g12 = t4 + t5
-    t8 = 4.0*g12
-    J = x_xi*y_eta - t6
+    t9 = 4.0*x_eta
+    t10 = x_xi*y_xi
+    t6 = 4.0*g11
+    t8 = 4.0*g22
+    t7 = 4.0*g12
     energy = g11*g11 + 2.0*(g12*g12) + g22*g22
-    jacobian = J
-    d0 = t7*x_xi + t8*x_eta
-    d1 = t7*y_xi + t8*y_eta
-    d2 = t8*x_xi + t9*x_eta
-    d3 = t8*y_xi + t9*y_eta
-    h00 = 8.0*t0 + 4.0*t2 + t7
-    h01 = 4.0*t10 + 8.0*t11
-    h02 = 4.0*t4 + t8
-    h03 = 4.0*t6
-    h11 = 8.0*t1 + 4.0*t3 + t7
+    d0 = t6*x_xi + t7*x_eta
+    d1 = t6*y_xi + t7*y_eta
+    d2 = t7*x_xi + t8*x_eta
+    d3 = t7*y_xi + t8*y_eta
+    h00 = 8.0*t0 + 4.0*t2 + t6
+    h01 = 8.0*t10 + t9*y_eta
+    h02 = 4.0*t4 + t7
+    h03 = t9*y_xi
+    h11 = 8.0*t1 + 4.0*t3 + t6
     h12 = 4.0*x_xi*y_eta
-    h13 = 4.0*t5 + t8
-    h22 = 4.0*t0 + 8.0*t2 + t9
-    h23 = 8.0*t10 + 4.0*t11
-    h33 = 4.0*t1 + 8.0*t3 + t9
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    h13 = 4.0*t5 + t7
+    h22 = 4.0*t0 + 8.0*t2 + t8
+    h23 = 4.0*t10 + 8.0*x_eta*y_eta
+    h33 = 4.0*t1 + 8.0*t3 + t8
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = x_xi*x_eta + y_xi*y_eta
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_xi*x_xi
     t1 = y_xi*y_xi
     t2 = x_eta*x_eta
@@ -91,11 +95,8 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
     t5 = y_eta*y_xi
     t7 = 4.0*x_eta
     t8 = x_xi*y_xi
-    g11 = t0 + t1
     t6 = 4.0*g11
-    g22 = t2 + t3
     t10 = 4.0*g22
-    g12 = t4 + t5
     t9 = 4.0*g12
     h00 = 8.0*t0 + 4.0*t2 + t6
     h01 = t7*y_eta + 8.0*t8
@@ -113,12 +114,20 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = x_xi*x_eta + y_xi*y_eta
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t2 = 4.0*g11
-    g22 = x_eta*x_eta + y_eta*y_eta
     t5 = 4.0*g22
-    g12 = x_eta*x_xi + y_eta*y_xi
     t3 = 4.0*g12
     along_g11 = 2.0*v_x_xi*x_xi + 2.0*v_y_xi*y_xi
     t0 = 4.0*along_g11
@@ -136,12 +145,20 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
 corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
 
 
-def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
+def corner_semidefinite_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    g12 = x_xi*x_eta + y_xi*y_eta
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t2 = 4.0*g11
-    g22 = x_eta*x_eta + y_eta*y_eta
     t5 = 4.0*g22
-    g12 = x_eta*x_xi + y_eta*y_xi
     t3 = 4.0*g12
     along_g11 = 2.0*v_x_xi*x_xi + 2.0*v_y_xi*y_xi
     t0 = 4.0*along_g11
@@ -295,13 +312,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
-    x = 2.0*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_g12*p[0] + d.slope_g12*q[0]
-    y = 2.0*(c.slope_g11 + d.slope_g11)*a[1] + c.slope_g12*p[1] + d.slope_g12*q[1]
+def slope_along_xi(scale, c, d, a, p, q):
+    x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_g12*p[0] + d.slope_g12*q[0]
+    y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[1] + c.slope_g12*p[1] + d.slope_g12*q[1]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
-    x = 2.0*(c.slope_g22 + d.slope_g22)*b[0] + c.slope_g12*p[0] + d.slope_g12*q[0]
-    y = 2.0*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_g12*p[1] + d.slope_g12*q[1]
+def slope_along_eta(scale, c, d, b, p, q):
+    x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[0] + c.slope_g12*p[0] + d.slope_g12*q[0]
+    y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_g12*p[1] + d.slope_g12*q[1]
     return x, y

@@ -11,52 +11,54 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
     J = x_xi*y_eta - x_eta*y_xi
     b0 = g11 + g22
     b1 = 1.0/J
     energy = (b0*b0)*(b1*b1)
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_g11 slope_g22 slope_J")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_g11 slope_g22 slope_J")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = x_xi*y_eta - x_eta*y_xi
     b0 = g11 + g22
     t2 = b0*b0
-    J = x_xi*y_eta - x_eta*y_xi
     t0 = 1.0/J
     t1 = t0*t0
     t3 = t1*(2.0*g11 + 2.0*g22)
     energy = t1*t2
-    jacobian = J
     slope_g11 = t3
     slope_g22 = t3
     slope_J = -2.0*(t0*t0*t0)*t2
-    return corner_slopes_values(energy, jacobian, slope_g11, slope_g22, slope_J)
+    return corner_slopes_values(energy, slope_g11, slope_g22, slope_J)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     b0 = g11 + g22
     t2 = b0*b0
     t5 = 2.0*g11 + 2.0*g22
     t6 = 2.0*t5
     t14 = 4.0*t5
-    J = x_xi*y_eta - x_eta*y_xi
     t0 = 1.0/J
     t1 = t0*t0
     t3 = t0*t0*t0
@@ -76,7 +78,6 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
     t20 = 2.0*t8*x_eta + 2.0*t9*y_xi
     t21 = -(t17*y_xi) - t18*x_eta
     energy = t1*t2
-    jacobian = J
     d0 = t7*x_xi - t4*y_eta
     d1 = t4*x_eta + t7*y_xi
     d2 = t4*y_xi + t7*x_eta
@@ -91,21 +92,25 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
     h22 = t20*x_eta + t7 - t21*y_xi
     h23 = t20*y_eta + t21*x_xi
     h33 = t7 + x_xi*(t17*x_xi - t18*y_eta) + 2.0*y_eta*(4.0*t1*y_eta - t13*t6)
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t2 = 2.0*g11 + 2.0*g22
     t3 = 2.0*t2
     b0 = g11 + g22
     t11 = b0*b0
     t13 = 4.0*t2
-    J = x_xi*y_eta - x_eta*y_xi
     t0 = 1.0/J
     t1 = t0*t0
     t4 = t1*t3
@@ -139,17 +144,25 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = 2.0*x_xi
     t1 = 2.0*y_xi
     t2 = 2.0*x_eta
     t3 = 2.0*y_eta
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
     b0 = g11 + g22
     t4 = b0*b0
     t8 = 2.0*g11 + 2.0*g22
-    J = x_xi*y_eta - x_eta*y_xi
     t5 = 1.0/J
     t6 = 2.0*(t5*t5*t5)
     t7 = t4*t6
@@ -171,15 +184,23 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
 corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
 
 
-def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+def corner_semidefinite_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = x_xi*y_eta - x_eta*y_xi
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = 2.0*x_xi
     t1 = 2.0*y_xi
     t2 = 2.0*x_eta
     t3 = 2.0*y_eta
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
     t4 = 2.0*g11 + 2.0*g22
-    J = x_xi*y_eta - x_eta*y_xi
     t5 = 1.0/J
     t6 = 2.0*(t5*t5)
     t7 = t4*t6
@@ -454,13 +475,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
-    x = 2.0*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_J*p[1] + d.slope_J*q[1]
-    y = 2.0*(c.slope_g11 + d.slope_g11)*a[1] - c.slope_J*p[0] - d.slope_J*q[0]
+def slope_along_xi(scale, c, d, a, p, q):
+    x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_J*p[1] + d.slope_J*q[1]
+    y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[1] - c.slope_J*p[0] - d.slope_J*q[0]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
-    x = 2.0*(c.slope_g22 + d.slope_g22)*b[0] - c.slope_J*p[1] - d.slope_J*q[1]
-    y = 2.0*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_J*p[0] + d.slope_J*q[0]
+def slope_along_eta(scale, c, d, b, p, q):
+    x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[0] - c.slope_J*p[1] - d.slope_J*q[1]
+    y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_J*p[0] + d.slope_J*q[0]
     return x, y

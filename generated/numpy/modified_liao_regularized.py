@@ -11,31 +11,30 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
     t0 = parameters[0]*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
     b0 = g11 + g22
     b1 = 1.0/chi
     energy = (b0*b0)*(b1*b1)
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_g11 slope_g22 slope_J")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_g11 slope_g22 slope_J")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
     t0 = parameters[0]*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
     b0 = 1.0/chi
@@ -44,30 +43,33 @@ def corner_slopes(x_xi, y_xi, x_eta, y_eta, parameters):
     t2 = (b1*b1)*t1
     t3 = t1*(2.0*g11 + 2.0*g22)
     energy = t2
-    jacobian = J
     slope_g11 = t3
     slope_g22 = t3
     slope_J = -2.0*t2*(1.0/root)
-    return corner_slopes_values(energy, jacobian, slope_g11, slope_g22, slope_J)
+    return corner_slopes_values(energy, slope_g11, slope_g22, slope_J)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_xi*x_xi
     t1 = y_xi*y_xi
     t2 = x_eta*x_eta
     t3 = y_eta*y_eta
     t4 = parameters[0]*parameters[0]
     t12 = 2.0*y_eta
-    g11 = t0 + t1
-    g22 = t2 + t3
     b0 = g11 + g22
     t7 = b0*b0
     t9 = 2.0*g11 + 2.0*g22
     t26 = 4.0*t9
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t4)
     t13 = 1.0/root
     t20 = t13*t13*t13
@@ -103,7 +105,6 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
     t39 = t13*t15 + t23*x_eta
     t40 = t27*(-(t33*x_eta) - t35*y_xi)
     energy = t8
-    jacobian = J
     d0 = t11 - t12*t14
     d1 = t15 + t16*x_eta
     d2 = t16*y_xi + t17
@@ -118,22 +119,26 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
     h22 = 2.0*t39*x_eta - t1*t22 - t31 - t40*y_xi
     h23 = t38*y_xi + 2.0*t39*y_eta + t40*x_xi
     h33 = t10 + t12*(4.0*t6*y_eta - t11*t13) + t27*x_xi*(t34*t37 - t33*y_eta) - t0*t22
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = parameters[0]*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
     t3 = 2.0*g11 + 2.0*g22
     t11 = 4.0*t3
     b0 = g11 + g22
     t12 = b0*b0
     t19 = 6.0*t12
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     t6 = 1.0/root
     t15 = t6*x_eta
@@ -172,16 +177,24 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = parameters[0]*parameters[0]
     t1 = 2.0*x_xi
     t2 = 2.0*y_eta
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
     t5 = 2.0*g11 + 2.0*g22
     b0 = g11 + g22
     t11 = b0*b0
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     t3 = 1.0/root
     chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
@@ -210,16 +223,24 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
 corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
 
 
-def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+def corner_semidefinite_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = parameters[0]*parameters[0]
     t1 = 2.0*x_xi
     t2 = 2.0*y_xi
     t3 = 2.0*x_eta
     t4 = 2.0*y_eta
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
     t6 = 2.0*g11 + 2.0*g22
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
     t5 = chi*(1.0/root)
@@ -246,13 +267,13 @@ def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
-    x = 2.0*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_J*p[1] + d.slope_J*q[1]
-    y = 2.0*(c.slope_g11 + d.slope_g11)*a[1] - c.slope_J*p[0] - d.slope_J*q[0]
+def slope_along_xi(scale, c, d, a, p, q):
+    x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_J*p[1] + d.slope_J*q[1]
+    y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[1] - c.slope_J*p[0] - d.slope_J*q[0]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
-    x = 2.0*(c.slope_g22 + d.slope_g22)*b[0] - c.slope_J*p[1] - d.slope_J*q[1]
-    y = 2.0*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_J*p[0] + d.slope_J*q[0]
+def slope_along_eta(scale, c, d, b, p, q):
+    x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[0] - c.slope_J*p[1] - d.slope_J*q[1]
+    y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_J*p[0] + d.slope_J*q[0]
     return x, y

@@ -11,67 +11,70 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, parameters):
-    g12 = x_eta*x_xi + y_eta*y_xi
-    J = x_xi*y_eta - x_eta*y_xi
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g12 = x_xi*x_eta + y_xi*y_eta
     energy = g12*g12
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_g12")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_g12")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, parameters):
-    g12 = x_eta*x_xi + y_eta*y_xi
-    J = x_xi*y_eta - x_eta*y_xi
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g12 = x_xi*x_eta + y_xi*y_eta
     energy = g12*g12
-    jacobian = J
     slope_g12 = 2.0*g12
-    return corner_slopes_values(energy, jacobian, slope_g12)
+    return corner_slopes_values(energy, slope_g12)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g12 = x_xi*x_eta + y_xi*y_eta
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_eta*x_xi
     t1 = y_eta*y_xi
-    t2 = x_eta*y_xi
-    g12 = t0 + t1
-    t3 = 2.0*g12
-    J = x_xi*y_eta - t2
+    t3 = 2.0*x_eta
+    t4 = 2.0*x_xi
+    t2 = 2.0*g12
     energy = g12*g12
-    jacobian = J
-    d0 = t3*x_eta
-    d1 = t3*y_eta
-    d2 = t3*x_xi
-    d3 = t3*y_xi
+    d0 = t2*x_eta
+    d1 = t2*y_eta
+    d2 = t2*x_xi
+    d3 = t2*y_xi
     h00 = 2.0*(x_eta*x_eta)
-    h01 = 2.0*x_eta*y_eta
-    h02 = 2.0*t0 + t3
-    h03 = 2.0*t2
+    h01 = t3*y_eta
+    h02 = 2.0*t0 + t2
+    h03 = t3*y_xi
     h11 = 2.0*(y_eta*y_eta)
-    h12 = 2.0*x_xi*y_eta
-    h13 = 2.0*t1 + t3
+    h12 = t4*y_eta
+    h13 = 2.0*t1 + t2
     h22 = 2.0*(x_xi*x_xi)
-    h23 = 2.0*x_xi*y_xi
+    h23 = t4*y_xi
     h33 = 2.0*(y_xi*y_xi)
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g12 = x_xi*x_eta + y_xi*y_eta
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_eta*x_xi
     t1 = y_eta*y_xi
     t2 = 2.0*x_eta
     t4 = 2.0*x_xi
-    g12 = t0 + t1
     t3 = 2.0*g12
     h00 = 2.0*(x_eta*x_eta)
     h01 = t2*y_eta
@@ -89,8 +92,16 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
-    g12 = x_eta*x_xi + y_eta*y_xi
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g12 = x_xi*x_eta + y_xi*y_eta
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t1 = 2.0*g12
     along_g12 = v_x_eta*x_xi + v_x_xi*x_eta + v_y_eta*y_xi + v_y_xi*y_eta
     t0 = 2.0*along_g12
@@ -212,13 +223,13 @@ def residual_coefficients(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
+def slope_along_xi(scale, c, d, a, p, q):
     x = c.slope_g12*p[0] + d.slope_g12*q[0]
     y = c.slope_g12*p[1] + d.slope_g12*q[1]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
+def slope_along_eta(scale, c, d, b, p, q):
     x = c.slope_g12*p[0] + d.slope_g12*q[0]
     y = c.slope_g12*p[1] + d.slope_g12*q[1]
     return x, y

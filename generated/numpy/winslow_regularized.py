@@ -11,55 +11,57 @@ import numpy as np
 
 # ---- arithmetic, derived from the density ----
 
-corner_energy_values = namedtuple("corner_energy_values", "energy jacobian")
+corner_energy_values = namedtuple("corner_energy_values", "energy")
 
 
-def corner_energy(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_energy(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
     t0 = parameters[0]*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
     energy = (g11 + g22)*(1.0/chi)
-    jacobian = J
-    return corner_energy_values(energy, jacobian)
+    return corner_energy_values(energy)
 
 
-corner_slopes_values = namedtuple("corner_slopes_values", "energy jacobian slope_g11 slope_g22 slope_J")
+corner_slopes_values = namedtuple("corner_slopes_values", "energy slope_g11 slope_g22 slope_J")
 
 
-def corner_slopes(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_slopes(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
     t0 = parameters[0]*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
     t1 = 1.0/chi
     t2 = t1*(g11 + g22)
     energy = t2
-    jacobian = J
     slope_g11 = t1
     slope_g22 = t1
     slope_J = -(t2*(1.0/root))
-    return corner_slopes_values(energy, jacobian, slope_g11, slope_g22, slope_J)
+    return corner_slopes_values(energy, slope_g11, slope_g22, slope_J)
 
 
-corner_hessian_values = namedtuple("corner_hessian_values", "energy jacobian d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
+corner_hessian_values = namedtuple("corner_hessian_values", "energy d0 d1 d2 d3 h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_hessian(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_xi*x_xi
     t1 = y_xi*y_xi
     t2 = x_eta*x_eta
     t3 = y_eta*y_eta
     t4 = parameters[0]*parameters[0]
     t23 = x_xi*y_eta
-    g11 = t0 + t1
-    g22 = t2 + t3
     t6 = g11 + g22
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t4)
     t9 = 1.0/root
     t20 = t9*t9*t9
@@ -92,7 +94,6 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
     t34 = t22*x_xi
     t35 = t17*(-(t29*t31) - t30)
     energy = t7
-    jacobian = J
     d0 = t8*x_xi - t10*y_eta
     d1 = t10*x_eta + t11
     d2 = t10*y_xi + t12
@@ -107,21 +108,25 @@ def corner_hessian(x_xi, y_xi, x_eta, y_eta, parameters):
     h22 = -(t1*t22) - t33 - t35*y_xi
     h23 = t27 + t34*y_xi + t35*x_xi
     h33 = t17*x_xi*(t15*t31 - t14*y_eta) + t25 - t0*t22
-    return corner_hessian_values(energy, jacobian, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
+    return corner_hessian_values(energy, d0, d1, d2, d3, h00, h01, h02, h03, h11, h12, h13, h22, h23, h33)
 
 
 corner_semidefinite_values = namedtuple("corner_semidefinite_values", "h00 h01 h02 h03 h11 h12 h13 h22 h23 h33")
 
 
-def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
+def corner_semidefinite(scale, x_xi, y_xi, x_eta, y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
     t0 = x_eta*x_eta
     t1 = y_eta*y_eta
     t2 = x_eta*y_xi
     t3 = parameters[0]*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = t0 + t1
     t9 = g11 + g22
-    J = x_xi*y_eta - t2
     root = np.sqrt(J*J + t3)
     t8 = 1.0/root
     t20 = t8*t9
@@ -159,12 +164,20 @@ def corner_semidefinite(x_xi, y_xi, x_eta, y_eta, parameters):
 corner_hessian_vector_values = namedtuple("corner_hessian_vector_values", "d0 d1 d2 d3")
 
 
-def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+def corner_hessian_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = parameters[0]*parameters[0]
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
     t7 = g11 + g22
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     t1 = 1.0/root
     chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
@@ -190,13 +203,21 @@ def corner_hessian_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y
 corner_semidefinite_vector_values = namedtuple("corner_semidefinite_vector_values", "d0 d1 d2 d3")
 
 
-def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+def corner_semidefinite_vector(scale, x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta, v_y_eta, parameters):
+    g11 = scale.xi_xi*(x_xi*x_xi + y_xi*y_xi)
+    g22 = scale.eta_eta*(x_eta*x_eta + y_eta*y_eta)
+    J = scale.xi_eta*(x_xi*y_eta - x_eta*y_xi)
+    x_xi = scale.xi*x_xi
+    y_xi = scale.xi*y_xi
+    x_eta = scale.eta*x_eta
+    y_eta = scale.eta*y_eta
+    v_x_xi = scale.xi*v_x_xi
+    v_y_xi = scale.xi*v_y_xi
+    v_x_eta = scale.eta*v_x_eta
+    v_y_eta = scale.eta*v_y_eta
     t0 = parameters[0]*parameters[0]
     t1 = 2.0*v_x_xi
     t2 = 2.0*v_y_eta
-    g11 = x_xi*x_xi + y_xi*y_xi
-    g22 = x_eta*x_eta + y_eta*y_eta
-    J = x_xi*y_eta - x_eta*y_xi
     root = np.sqrt(J*J + t0)
     chi = np.where(J > 0.0, (1.0/2.0)*J + (1.0/2.0)*root, t0*(1.0/(2.0*root - 2.0*J)))
     t3 = chi*(1.0/root)
@@ -220,13 +241,13 @@ def corner_semidefinite_vector(x_xi, y_xi, x_eta, y_eta, v_x_xi, v_y_xi, v_x_eta
 # Derivative of a cell's energy in an edge, from its corners c and d at the ends of that edge; their other edges are p, q.
 
 
-def slope_along_xi(c, d, a, p, q):
-    x = 2.0*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_J*p[1] + d.slope_J*q[1]
-    y = 2.0*(c.slope_g11 + d.slope_g11)*a[1] - c.slope_J*p[0] - d.slope_J*q[0]
+def slope_along_xi(scale, c, d, a, p, q):
+    x = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[0] + c.slope_J*p[1] + d.slope_J*q[1]
+    y = 2.0*scale.xi_over_eta*(c.slope_g11 + d.slope_g11)*a[1] - c.slope_J*p[0] - d.slope_J*q[0]
     return x, y
 
 
-def slope_along_eta(c, d, b, p, q):
-    x = 2.0*(c.slope_g22 + d.slope_g22)*b[0] - c.slope_J*p[1] - d.slope_J*q[1]
-    y = 2.0*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_J*p[0] + d.slope_J*q[0]
+def slope_along_eta(scale, c, d, b, p, q):
+    x = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[0] - c.slope_J*p[1] - d.slope_J*q[1]
+    y = 2.0*scale.eta_over_xi*(c.slope_g22 + d.slope_g22)*b[1] + c.slope_J*p[0] + d.slope_J*q[0]
     return x, y

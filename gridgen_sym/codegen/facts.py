@@ -30,6 +30,7 @@ class KernelFacts:
         equation_type: type of the Euler-Lagrange equations where J > 0: `elliptic`, or what they are instead.
         null_lagrangian: whether the energy is the same for every grid with the same boundary.
         polyconvex: whether the semidefinite Hessian is so by derivation; else its eigenvalues are clamped.
+        degree: of the density's homogeneity in the edge vectors; None where it has none.
         functions: names of the functions that the kernel has, of those in `interface.FUNCTIONS`.
         operations: number of operations of each program, by kind (additions, multiplications, divisions, functions).
     """
@@ -47,6 +48,7 @@ class KernelFacts:
     equation_type: str
     null_lagrangian: bool
     polyconvex: bool
+    degree: float | None
     functions: tuple[str, ...]
     operations: Mapping[str, Mapping[str, int]]
 

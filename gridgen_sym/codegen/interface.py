@@ -2,9 +2,12 @@
 
 The first argument of each is a block: `ni` x `nj` nodes, the rows `row_begin` to `row_end` of them to work on (the
 rows beside those are read), `stride` and `plane` (doubles from a row, and from a component, to the next),
-`interior_only` (leave out corners at nodes of the block's edge), `threads`, and the spacings `h_xi`, `h_eta` of the
-logical coordinates. Coordinates, values and parameters follow. A function writes into arrays that it is given, and only
-for its own rows.
+`interior_only` (leave out corners at nodes of the block's edge), `threads`, and the steps `h_xi`, `h_eta` of the
+logical coordinates from a node to the next. Coordinates, values and parameters follow. A function writes into arrays
+that it is given, and only for its own rows.
+
+An energy is h_xi h_eta times the sum over corners, of edge vectors over the steps; gradients and Hessians are its
+derivatives in the coordinates. The smallest Jacobians are those of the edge vectors themselves.
 """
 
 from __future__ import annotations

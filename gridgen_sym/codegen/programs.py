@@ -12,12 +12,13 @@ from ..functionals.definition import Functional
 from ..functionals.metric import RESERVED_NAMES
 from ..functionals.variant import Modes
 from ..symbolic.classify.classification import equation_type, is_null_lagrangian
+from ..symbolic.classify.invariance import scaling_degree
 from ..symbolic.coordinates import (
     DIRECTION,
     FIRST_DERIVATIVES,
+    METRIC,
     POSITION_DIRECTION,
     SECOND_DERIVATIVES,
-    J,
     Variant,
 )
 from ..symbolic.derive.continuous import EulerLagrange, euler_lagrange, residual_slopes
@@ -50,16 +51,24 @@ def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
         equation_type=equation_type(functional),
         null_lagrangian=not model.values.planes and is_null_lagrangian(functional),
         polyconvex=model.splitting.holds,
+        degree=_degree(model),
         functions=tuple(name for name, signature in FUNCTIONS.items() if signature.program in named),
         operations={name: dict(program.operations) for name, program in named.items()},
     )
     return Kernel(facts, named)
 
 
+def _degree(model: CornerModel) -> float | None:
+    """Return the degree of a corner's energy in its edge vectors; None where it is not known to be homogeneous."""
+    known = {*FIRST_DERIVATIVES, *METRIC, *model.values.planes, *model.parameters}
+    degree = scaling_degree(model.energy) if model.energy.free_symbols <= known else None
+    return None if degree is None else float(degree)
+
+
 def _corner_programs(model: CornerModel) -> list[Program]:
     moving, planes = model.values.moving, model.values.planes
     inputs = (*FIRST_DERIVATIVES, *planes)
-    energy: dict[str, Expr] = {"energy": model.energy, "jacobian": J}
+    energy: dict[str, Expr] = {"energy": model.energy}
     position = {f"p{k}": entry for k, entry in enumerate(model.position_gradient)} if moving else {}
     # The chain rule from the metric to the nodes belongs to the templates, which share it among the corners of a cell.
     slopes = energy | {f"slope_{symbol}": slope for symbol, slope in model.slopes.items()} | position

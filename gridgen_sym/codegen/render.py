@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 
 from ..functionals.definition import Functional
+from ..functionals.metric import DERIVATIVE_NAMES, METRIC_NAMES
 from ..resources import resource_folder
 from ..version import __version__
 from .source import Source
@@ -48,13 +49,21 @@ def template_variables(kernel: Kernel, printer: Printer) -> dict[str, Any]:
 
 
 def _printed(program: Program, printer: Printer) -> dict[str, Any]:
-    lines = printer.program(program)
-    return {"inputs": program.inputs, "outputs": program.outputs, "lines": lines, "uses": _used_names(program)}
+    return {
+        "inputs": program.inputs,
+        "outputs": program.outputs,
+        "lines": printer.program(program),
+        "uses": _used_names(program),
+        "reads": _used_names(program, but_for=METRIC_NAMES),
+        "metric": METRIC_NAMES,
+        "edges": tuple(name for name in program.inputs if name.removeprefix("v_") in DERIVATIVE_NAMES),
+    }
 
 
-def _used_names(program: Program) -> frozenset[str]:
-    """Return the names that the program reads, so that templates can mark the others as unused."""
-    used = {symbol.name for assignment in program.assignments for symbol in assignment.value.free_symbols}
+def _used_names(program: Program, but_for: tuple[str, ...] = ()) -> frozenset[str]:
+    """Return the names that the program reads, but for the values of some, so that templates know what is unused."""
+    wanted = [assignment.value for assignment in program.assignments if assignment.name not in but_for]
+    used = {symbol.name for value in wanted for symbol in value.free_symbols}
     if used & set(program.parameters):
         used.add("parameters")
     return frozenset(used)

@@ -15,6 +15,8 @@ from .block import Block
 from .threads import threads_for
 from .values import Values
 
+#: Steps of the logical coordinates with which the index of a node is its coordinate.
+INDEX_STEPS = (1.0, 1.0)
 #: Number of planes of the stored half of the Hessian, and of the Jacobian of the Euler-Lagrange residual.
 HESSIAN_PLANES, JACOBIAN_PLANES = 19, 36
 #: What a functional is given that names no values.
@@ -28,6 +30,11 @@ class KernelSet:
 
     Coordinates are arrays (2, ni, nj), C-contiguous: the planes x and y. `values` are those of the weight and of other
     fields, in the order of `planes`: a `Values`, an array (len(planes), ni, nj), or None where there are none.
+
+    `spacing` are the steps (h_xi, h_eta) of the logical coordinates between nodes. The energy is h_xi h_eta times the
+    sum, over the corners, of the corner energy of the edge vectors over the steps; it tends to 4 `corner_factor` times
+    the integral of the density. With the steps (1, 1) it is the sum over the index. Jacobians are those of the edges
+    themselves, whatever the steps.
 
     Attributes:
         functional: its name.
@@ -56,11 +63,16 @@ class KernelSet:
     _functions: Mapping[str, Callable[..., None]]
 
     def energy(
-        self, coordinates: Array, values: Values | Array | None = None, *, interior_only: bool = False
+        self,
+        coordinates: Array,
+        values: Values | Array | None = None,
+        spacing: tuple[float, float] = INDEX_STEPS,
+        *,
+        interior_only: bool = False,
     ) -> tuple[float, float]:
         """Return the energy, summed over corners, and the smallest Jacobian of any corner, counted or not."""
         rows = np.empty((2, coordinates.shape[1] - 1))
-        self._call("energy", coordinates, values, rows[0], rows[1], interior_only=interior_only)
+        self._call("energy", coordinates, values, rows[0], rows[1], interior_only=interior_only, spacing=spacing)
         return _total(rows[0]), float(rows[1].min())
 
     def smallest_jacobians(self, coordinates: Array) -> Array:
@@ -75,19 +87,22 @@ class KernelSet:
         self,
         coordinates: Array,
         values: Values | Array | None = None,
+        spacing: tuple[float, float] = INDEX_STEPS,
         *,
         interior_only: bool = False,
         out: Array | None = None,
     ) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian, and the gradient (2, ni, nj) in all nodes (written to `out`)."""
         rows, gradient = np.empty((2, coordinates.shape[1] - 1)), _result(2, coordinates, out)
-        self._call("energy_gradient", coordinates, values, rows[0], rows[1], gradient, interior_only=interior_only)
+        arrays = rows[0], rows[1], gradient
+        self._call("energy_gradient", coordinates, values, *arrays, interior_only=interior_only, spacing=spacing)
         return _total(rows[0]), float(rows[1].min()), gradient
 
     def hessian(
         self,
         coordinates: Array,
         values: Values | Array | None = None,
+        spacing: tuple[float, float] = INDEX_STEPS,
         *,
         semidefinite: bool = False,
         interior_only: bool = False,
@@ -100,7 +115,7 @@ class KernelSet:
         """
         planes = _result(HESSIAN_PLANES, coordinates, out)
         name = "semidefinite_hessian" if semidefinite else "hessian"
-        self._call(name, coordinates, values, planes, interior_only=interior_only)
+        self._call(name, coordinates, values, planes, interior_only=interior_only, spacing=spacing)
         return planes
 
     def hessian_vector(
@@ -108,6 +123,7 @@ class KernelSet:
         coordinates: Array,
         vector: Array,
         values: Values | Array | None = None,
+        spacing: tuple[float, float] = INDEX_STEPS,
         *,
         semidefinite: bool = False,
         interior_only: bool = False,
@@ -128,7 +144,7 @@ class KernelSet:
             )
         product = _result(2, coordinates, out)
         name = "semidefinite_hessian_vector" if semidefinite else "hessian_vector"
-        self._call(name, coordinates, values, vector, product, interior_only=interior_only)
+        self._call(name, coordinates, values, vector, product, interior_only=interior_only, spacing=spacing)
         return product
 
     def sweep(
@@ -137,6 +153,7 @@ class KernelSet:
         values: Values | Array | None,
         fixed: Mask,
         color: int,
+        spacing: tuple[float, float] = INDEX_STEPS,
         *,
         floor: float,
         reach: float = np.inf,
@@ -150,14 +167,15 @@ class KernelSet:
             The largest component of a step; a node whose step would be `reach` or more stays, but is counted.
         """
         steps = np.zeros(coordinates.shape[1])
-        self._call("sweep", coordinates, values, fixed, color, floor, reach, steps, interior_only=interior_only)
+        arguments = fixed, color, floor, reach, steps
+        self._call("sweep", coordinates, values, *arguments, interior_only=interior_only, spacing=spacing)
         return float(steps.max())
 
     def euler_lagrange_residual(
         self,
         coordinates: Array,
         values: Values | Array | None = None,
-        spacing: tuple[float, float] = (1.0, 1.0),
+        spacing: tuple[float, float] = INDEX_STEPS,
         *,
         out: Array | None = None,
     ) -> Array:
@@ -173,7 +191,7 @@ class KernelSet:
         self,
         coordinates: Array,
         values: Values | Array | None = None,
-        spacing: tuple[float, float] = (1.0, 1.0),
+        spacing: tuple[float, float] = INDEX_STEPS,
         *,
         frozen: bool = False,
         out: Array | None = None,
@@ -196,7 +214,7 @@ class KernelSet:
         fixed: Mask,
         color: int,
         relaxation: float,
-        spacing: tuple[float, float] = (1.0, 1.0),
+        spacing: tuple[float, float] = INDEX_STEPS,
     ) -> None:
         """Relax the equations at every free node of a color, with frozen coefficients, in place."""
         self._call("euler_lagrange_relaxation", coordinates, values, fixed, color, relaxation, spacing=spacing)
@@ -208,7 +226,7 @@ class KernelSet:
         values: Values | Array | None,
         *arguments: Any,  # noqa: ANN401
         interior_only: bool = False,
-        spacing: tuple[float, float] = (1.0, 1.0),
+        spacing: tuple[float, float] = INDEX_STEPS,
     ) -> None:
         _, ni, nj = coordinates.shape
         given = self._values(values, (ni, nj))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import mpmath
 import numpy as np
@@ -60,7 +61,7 @@ def corners(name, variant, program):
 def corner_expressions(name, variant):
     """Return what every corner program is to compute, by program and output."""
     model = corner_model(functional(name), variant)
-    energy = {"energy": model.energy, "jacobian": sympy.Symbol("J", real=True)}
+    energy = {"energy": model.energy}
     position = {f"p{k}": model.position_gradient[k] for k in range(2)} if variant == "differentiated" else {}
     gradient = energy | {f"d{k}": model.gradient[k] for k in range(4)} | position
     triangle = [(p, q) for p in range(4) for q in range(p, 4)]
@@ -153,7 +154,8 @@ def test_printed_numpy_equals_the_derived_expressions(case):
 def call_printed(names, program, values):
     """Call a printed NumPy function with doubles and return its results by name."""
     inputs = [np.float64(values[name]) for name in program.inputs]
-    results = names[program.name](*inputs, [float(values[name]) for name in program.parameters])
+    scales = [SimpleNamespace(xi=1.0, eta=1.0, xi_xi=1.0, eta_eta=1.0, xi_eta=1.0)] * program.name.startswith("corner_")
+    results = names[program.name](*scales, *inputs, [float(values[name]) for name in program.parameters])
     return {name: mpmath.mpf(float(value)) for name, value in zip(program.outputs, results, strict=True)}
 
 
@@ -241,7 +243,7 @@ def flip(program: Program, name: str) -> Program:
 @pytest.mark.parametrize("case", [("winslow", "plain"), ("area", "differentiated")], ids=case_name)
 def test_a_flipped_sign_in_a_gradient_is_objected_to(case):
     programs = derived_kernel(*case).programs
-    for output in programs["corner_slopes"].outputs[2:]:
+    for output in programs["corner_slopes"].outputs[1:]:
         broken = flip(programs["corner_slopes"], output)
         values = inputs_of(*case, broken, 1)
         objected = gradient_objections(broken, programs["corner_energy"], values)
@@ -251,7 +253,7 @@ def test_a_flipped_sign_in_a_gradient_is_objected_to(case):
 
 
 @pytest.mark.parametrize("case", [("winslow", "plain"), ("knupp", "plain"), ("area", "frozen")], ids=case_name)
-@pytest.mark.parametrize("place", [0, 2, -1], ids=["energy", "first slope", "last slope"])
+@pytest.mark.parametrize("place", [0, 1, -1], ids=["energy", "first slope", "last slope"])
 @pytest.mark.parametrize("broken_line", [r"\1-(\2)", r"\1 2.0*(\2)"], ids=["sign", "factor"])
 def test_a_broken_printed_kernel_is_objected_to(case, place, broken_line):
     text = rendered(*case, "numpy")

@@ -50,20 +50,26 @@ def counts(block: Any, node: tuple[int, int]) -> bool:
     return inside or not block.interior_only
 
 
-def evaluate(program: Callable[..., dict[str, float]], corner: Corner, xy: Any, values: Any, parameters: Any) -> Any:
-    """Return the results of a program at a corner; not a number where Python raises an error."""
+def evaluate(
+    program: Callable[..., dict[str, float]], block: Any, corner: Corner, xy: Any, values: Any, parameters: Any
+) -> Any:
+    """Return the results of a program at a corner, in its edges; not a number where Python raises an error."""
     node, along_xi, along_eta, sign_xi, sign_eta = corner
+    steps = block.h_xi, block.h_xi, block.h_eta, block.h_eta
     a = [sign_xi * float(xy[c][along_xi] - xy[c][node]) for c in range(2)]
     b = [sign_eta * float(xy[c][along_eta] - xy[c][node]) for c in range(2)]
     p, q = (1 - sign_xi) // 2, (1 - sign_eta) // 2
     planes = [float(plane[p + 2 * q][node[0] - p, node[1] - q]) for plane in values.corners]
+    edges = [entry / step for entry, step in zip((*a, *b), steps, strict=True)]
     try:
-        return program(*a, *b, *planes, [float(value) for value in parameters])
+        found = program(*edges, *planes, [float(value) for value in parameters])
     except (ArithmeticError, ValueError):
-        lost = dict.fromkeys(
-            [f"d{k}" for k in range(4)] + [f"h{p}{q}" for p in range(4) for q in range(p, 4)], math.nan
-        )
-        return lost | {"energy": math.nan, "jacobian": a[0] * b[1] - a[1] * b[0]}
+        names = [f"d{k}" for k in range(4)] + [f"h{p}{q}" for p in range(4) for q in range(p, 4)]
+        found = dict.fromkeys(["energy", *names], math.nan)
+    # Each digit of a name is a component of an edge vector that was divided by its step.
+    over = {name: math.prod(steps[int(k)] for k in name if k.isdigit()) for name in found}
+    found = {name: block.h_xi * block.h_eta * value / over[name] for name, value in found.items()}
+    return found | {"jacobian": a[0] * b[1] - a[1] * b[0]}
 
 
 def incidence(corner: Corner) -> Sequence[tuple[tuple[int, int], int, int]]:
@@ -77,7 +83,7 @@ def energy(program: Any, block: Any, xy: Any, values: Any, parameters: Any, row_
     row_energy[:], row_least[:] = 0.0, math.inf
     for number, corner in enumerate(corners(block)):
         row = block.row_begin + number // (4 * (block.nj - 1))
-        found = evaluate(program, corner, xy, values, parameters)
+        found = evaluate(program, block, corner, xy, values, parameters)
         row_energy[row] += found["energy"] if counts(block, corner[0]) else 0.0
         row_least[row] = min(row_least[row], found["jacobian"])
 
@@ -97,7 +103,7 @@ def energy_gradient(
     gradient[:] = 0.0
     for corner in corners(block):
         if counts(block, corner[0]):
-            found = evaluate(program, corner, xy, values, parameters)
+            found = evaluate(program, block, corner, xy, values, parameters)
             for node, first, sign in incidence(corner):
                 for c in range(2):
                     gradient[c][node] += sign * found[f"d{first + c}"]
@@ -108,7 +114,7 @@ def hessian(program: Any, block: Any, xy: Any, values: Any, parameters: Any, pla
     planes[:] = 0.0
     for corner in corners(block):
         if counts(block, corner[0]):
-            found = evaluate(program, corner, xy, values, parameters)
+            found = evaluate(program, block, corner, xy, values, parameters)
             for one, first, sign in incidence(corner):
                 for other, second, its in incidence(corner):
                     place = BLOCKS.get((other[0] - one[0], other[1] - one[1]), {})

@@ -39,24 +39,24 @@ def fixed_nodes(ni, nj):
 def results(kernel_set, xy, weight, fixed):
     """Yield (name, array) of everything that the kernels compute."""
     for inner in (False, True):
-        yield f"energy {inner}", kernel_set.energy(xy, weight, interior_only=inner)
-        energy, smallest, gradient = kernel_set.energy_gradient(xy, weight, interior_only=inner)
+        yield f"energy {inner}", kernel_set.energy(xy, weight, SPACING, interior_only=inner)
+        energy, smallest, gradient = kernel_set.energy_gradient(xy, weight, SPACING, interior_only=inner)
         yield f"energy with gradient {inner}", (energy, smallest)
         yield f"gradient {inner}", gradient
         for semidefinite in (False, True):
-            planes = kernel_set.hessian(xy, weight, semidefinite=semidefinite, interior_only=inner)
+            planes = kernel_set.hessian(xy, weight, SPACING, semidefinite=semidefinite, interior_only=inner)
             yield f"hessian {semidefinite} {inner}", planes
             if kernel_set.polyconvex or not semidefinite:
                 yield (
                     f"hessian times vector {semidefinite} {inner}",
                     kernel_set.hessian_vector(
-                        xy, np.sin(7 * xy), weight, semidefinite=semidefinite, interior_only=inner
+                        xy, np.sin(7 * xy), weight, SPACING, semidefinite=semidefinite, interior_only=inner
                     ),
                 )
         for color in range(4):
             for floor in (FOLDING, 0.0):
                 swept = xy.copy()
-                kernel_set.sweep(swept, weight, fixed, color, floor=floor, interior_only=inner)
+                kernel_set.sweep(swept, weight, fixed, color, SPACING, floor=floor, interior_only=inner)
                 yield f"sweep {color} {floor} {inner}", swept
     if kernel_set.variant == "regularized":
         return
@@ -122,10 +122,10 @@ def test_sweeps_move_free_nodes_of_their_color_and_no_others(case, backend):
 def test_a_sweep_lowers_the_energy(case):
     kernels = kernel_set(*case, "c")
     xy, weight = random_grid(9, 9, noise=noise_of(case[1])), random_weight(len(kernels.planes), 9, 9)
-    before = kernels.energy(xy, weight)[0]
+    before = kernels.energy(xy, weight, SPACING)[0]
     for color in range(4):
-        kernels.sweep(xy, weight, np.zeros((9, 9), dtype=np.uint8), color, floor=FOLDING)
-        after = kernels.energy(xy, weight)[0]
+        kernels.sweep(xy, weight, np.zeros((9, 9), dtype=np.uint8), color, SPACING, floor=FOLDING)
+        after = kernels.energy(xy, weight, SPACING)[0]
         assert after < before
         before = after
 

@@ -24,6 +24,8 @@ from gridgen_sym.runtime.block import Block
 BACKEND = "c" if find_compiler() else "numpy"
 SIZE = (4, 5)
 STEP = 1e-5
+#: Steps of the logical coordinates.
+SPACING = (0.7, 0.4)
 
 
 def moving_weight(case, xy):
@@ -60,8 +62,8 @@ def differences(function, xy):
 @pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_the_gradient_is_the_slope_of_the_energy(case, inner):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
-    gradient = kernels.energy_gradient(xy, moving_weight(case, xy), interior_only=inner)[2]
-    expected = differences(lambda at: kernels.energy(at, moving_weight(case, at), interior_only=inner)[0], xy)
+    gradient = kernels.energy_gradient(xy, moving_weight(case, xy), SPACING, interior_only=inner)[2]
+    expected = differences(lambda at: kernels.energy(at, moving_weight(case, at), SPACING, interior_only=inner)[0], xy)
     assert relative_difference(gradient, expected) < 1e-7
 
 
@@ -71,9 +73,9 @@ def test_the_hessian_is_the_slope_of_the_gradient(case, inner):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
 
     def gradient(at):
-        return kernels.energy_gradient(at, moving_weight(case, at), interior_only=inner)[2]
+        return kernels.energy_gradient(at, moving_weight(case, at), SPACING, interior_only=inner)[2]
 
-    hessian = dense_hessian(kernels.hessian(xy, moving_weight(case, xy), interior_only=inner))
+    hessian = dense_hessian(kernels.hessian(xy, moving_weight(case, xy), SPACING, interior_only=inner))
     expected = differences(gradient, xy).reshape(hessian.shape)
     assert relative_difference(hessian, expected) < 1e-7
     broken = hessian.copy()
@@ -97,9 +99,9 @@ def test_the_hessian_times_a_vector(case, inner):
 
     def gradient(steps):
         at = xy + steps * STEP * vector
-        return kernels.energy_gradient(at, moving_weight(case, at), interior_only=inner)[2]
+        return kernels.energy_gradient(at, moving_weight(case, at), SPACING, interior_only=inner)[2]
 
-    product = kernels.hessian_vector(xy, vector, weight, interior_only=inner)
+    product = kernels.hessian_vector(xy, vector, weight, SPACING, interior_only=inner)
     change = (8 * (gradient(1) - gradient(-1)) - (gradient(2) - gradient(-2))) / (12 * STEP)
     assert relative_difference(product, change) < 1e-7
 
@@ -148,7 +150,7 @@ def at(array, offset):
 @pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_the_semidefinite_hessian_has_no_negative_eigenvalue(case, inner):
     kernels, xy = kernel_set(*case, BACKEND), grid_of(case)
-    planes = kernels.hessian(xy, moving_weight(case, xy), semidefinite=True, interior_only=inner)
+    planes = kernels.hessian(xy, moving_weight(case, xy), SPACING, semidefinite=True, interior_only=inner)
     eigenvalues = np.linalg.eigvalsh(dense_hessian(planes))
     assert eigenvalues[0] > -1e-12 * eigenvalues[-1]
     assert eigenvalues[-1] > 0
@@ -167,11 +169,11 @@ def test_some_full_hessian_has_a_negative_eigenvalue():
 
 @pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_the_jacobian_is_the_slope_of_the_residual(case):
-    kernels, spacing = kernel_set(*case, BACKEND), (0.7, 0.4)
+    kernels = kernel_set(*case, BACKEND)
     xy = grid_of(case, (5, 4))
     weight = jacobian_weight(case, xy)
-    jacobian = dense_jacobian(kernels.euler_lagrange_jacobian(xy, weight(xy), spacing))
-    expected = differences(lambda at: kernels.euler_lagrange_residual(at, weight(at), spacing), xy)
+    jacobian = dense_jacobian(kernels.euler_lagrange_jacobian(xy, weight(xy), SPACING))
+    expected = differences(lambda at: kernels.euler_lagrange_residual(at, weight(at), SPACING), xy)
     assert relative_difference(jacobian, expected.reshape(jacobian.shape)) < 1e-7
 
 
@@ -205,11 +207,11 @@ def dense_jacobian(planes):
 @pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_the_frozen_jacobian_has_the_coefficients_of_the_second_derivatives_alone(case):
     """What is frozen is the operator: a linear function has no second differences, so the Jacobian sends it to zero."""
-    kernels, spacing = kernel_set(*case, BACKEND), (0.7, 0.4)
+    kernels = kernel_set(*case, BACKEND)
     xy = grid_of(case, (5, 6))
     weight = jacobian_weight(case, xy)(xy)
-    frozen = kernels.euler_lagrange_jacobian(xy, weight, spacing, frozen=True)
-    full = kernels.euler_lagrange_jacobian(xy, weight, spacing)
+    frozen = kernels.euler_lagrange_jacobian(xy, weight, SPACING, frozen=True)
+    full = kernels.euler_lagrange_jacobian(xy, weight, SPACING)
     i, j = np.meshgrid(np.arange(5.0), np.arange(6.0), indexing="ij")
     for linear in (np.stack([i, j]), np.stack([np.ones_like(i), 2 * i - j])):
         assert np.abs(dense_jacobian(frozen) @ linear.ravel()).max() < 1e-11 * np.abs(frozen).max()
@@ -224,8 +226,8 @@ def test_the_frozen_jacobian_has_the_coefficients_of_the_second_derivatives_alon
 # ---- energies written out by hand ----
 
 
-def written_out(xy, density):
-    """Sum a density of (g1, g2) over the four corners of every cell, in plain Python."""
+def written_out(xy, density, spacing):
+    """Sum a density of (g1, g2) over the corners of every cell, in plain Python, and find the smallest Jacobian."""
     _, ni, nj = xy.shape
     total, smallest = 0.0, float("inf")
     for i in range(ni - 1):
@@ -235,9 +237,9 @@ def written_out(xy, density):
                 for b in (0, 1):
                     g1 = p[1, b][0] - p[0, b][0], p[1, b][1] - p[0, b][1]
                     g2 = p[a, 1][0] - p[a, 0][0], p[a, 1][1] - p[a, 0][1]
-                    jacobian = g1[0] * g2[1] - g1[1] * g2[0]
-                    total += density(g1, g2, jacobian)
-                    smallest = min(smallest, jacobian)
+                    smallest = min(smallest, g1[0] * g2[1] - g1[1] * g2[0])
+                    g1, g2 = [g / spacing[0] for g in g1], [g / spacing[1] for g in g2]
+                    total += spacing[0] * spacing[1] * density(g1, g2, g1[0] * g2[1] - g1[1] * g2[0])
     return total, smallest
 
 
@@ -246,18 +248,33 @@ BY_HAND = {
     "area": lambda g1, g2, jacobian: jacobian**2,
     "length": lambda g1, g2, jacobian: g1[0] ** 2 + g1[1] ** 2 + g2[0] ** 2 + g2[1] ** 2,
     "orthogonality": lambda g1, g2, jacobian: (g1[0] * g2[0] + g1[1] * g2[1]) ** 2,
+    "combined": lambda *corner: sum(
+        part * BY_HAND[name](*corner) for name, part in (("area", 0.4), ("length", 0.2), ("orthogonality", 0.4))
+    ),
     "knupp": lambda g1, g2, jacobian: (g1[0] ** 2 + g1[1] ** 2) * (g2[0] ** 2 + g2[1] ** 2) / 2,
 }
 
 
+@pytest.mark.parametrize("spacing", [(1.0, 1.0), SPACING], ids=["index", "steps"])
 @pytest.mark.parametrize("backend", ["numpy", BACKEND])
 @pytest.mark.parametrize("name", BY_HAND)
-def test_the_energy_is_the_sum_over_corners(name, backend):
+def test_the_energy_is_the_sum_over_corners(name, backend, spacing):
     xy = random_grid(5, 67)
-    expected, smallest = written_out(xy, BY_HAND[name])
-    energy, least = kernel_set(name, "plain", backend).energy(xy)
+    expected, smallest = written_out(xy, BY_HAND[name], spacing)
+    energy, least = kernel_set(name, "plain", backend).energy(xy, None, spacing)
     assert energy == pytest.approx(expected, rel=1e-12)
     assert least == pytest.approx(smallest, rel=1e-12)
+
+
+@pytest.mark.parametrize("backend", ["numpy", BACKEND])
+@pytest.mark.parametrize("name", ["length", "winslow", "area_winslow"])
+def test_steps_do_not_decide_about_the_sign_of_a_jacobian(name, backend):
+    """At a straight angle J is zero, and stays so for steps whose reciprocals round the edges."""
+    xy = np.array([[[0.0, 0.0], [0.25, 0.0], [1.0, 1.0]], [[0.0, 0.75], [0.25, 1.0], [0.0, 1.0]]])
+    for count in (4, 48, 49, 106):
+        kernels, spacing = kernel_set(name, "plain", backend), (1 / 3, 1 / count)
+        assert kernels.energy(xy, None, spacing)[1] == kernels.energy(xy)[1]
+        assert kernels.energy_gradient(xy, None, spacing)[1] == kernels.energy(xy)[1]
 
 
 def test_a_barrier_stays_visible():
