@@ -56,7 +56,9 @@ if TYPE_CHECKING:
     from .certificates import sliver_certificate as sliver_certificate
     from .codegen.backend import Backend as Backend
     from .codegen.backend import register_backend as register_backend
+    from .fields import Field as Field
     from .fields import SampledField as SampledField
+    from .fields import Target as Target
     from .fields import Weight as Weight
     from .fields import raster_field as raster_field
     from .fields import scattered_field as scattered_field
@@ -92,7 +94,7 @@ _PACKAGES = {
     "boundary": "CornerChoice Outline domain domain_names",
     "certificates": "Certificate certificates sliver_certificate",
     "codegen.backend": "Backend register_backend",
-    "fields": "SampledField Weight raster_field scattered_field",
+    "fields": "Field SampledField Target Weight raster_field scattered_field",
     "functionals": "Functional define functional functionals",
     "grids": "Grid Quality corner_jacobians quality transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",

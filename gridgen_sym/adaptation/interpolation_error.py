@@ -6,14 +6,14 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import GridgenError, quoted
-from ..fields.field import Field, Source, as_field
+from ..fields.scalar import ScalarField, Source, as_scalar
 from ..grids import Grid, quality
 from ..grids.grid import check_grid
 from .recovery import nodal_values
 
 
 def interpolation_error(
-    grid: Grid, function: Field | Source, values: npt.ArrayLike | None = None, *, points: int = 8
+    grid: Grid, function: ScalarField | Source, values: npt.ArrayLike | None = None, *, points: int = 8
 ) -> float:
     """Return the L2 norm over the grid of a function minus the bilinear interpolant of nodal values.
 
@@ -35,7 +35,7 @@ def interpolation_error(
         raise GridgenError("on a folded grid nodal values are no function of position: use gridgen_sym.untangle")
     if not isinstance(points, (int, np.integer)) or points < 1:
         raise GridgenError(f"points is a whole number of Gauss points, at least 1; came {quoted(points)}")
-    exact = as_field(function, "the function")
+    exact = as_scalar(function, "the function")
     if exact.per_node:
         raise GridgenError(
             "the function must be known everywhere: pass nodal values as `values`, or as samples of a grid"

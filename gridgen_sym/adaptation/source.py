@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from ..arrays import Array
 from ..errors import GridgenError
-from ..fields.field import as_field
 from ..fields.function import required_arguments
 from ..fields.sampled import SampledField
+from ..fields.scalar import as_scalar
 from ..grids import Grid
 from .recovery import nodal_values
 from .transfer import transfer
@@ -66,7 +66,7 @@ def source_of(solution: Solution, grid: Grid) -> Source:
                 "the solution must be your solver, a function of one grid, or a function of two arrays (x, y); came "
                 f"one of {arguments} arguments"
             )
-    field = as_field(given, "the solution")
+    field = as_scalar(given, "the solution")
     if field.per_node:
         values = nodal_values(grid, given, "the solution")
         return Source(lambda on: transfer(grid, values, on), sampled=True)

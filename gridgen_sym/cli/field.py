@@ -10,7 +10,7 @@ from ..atomic import read_bytes
 from ..errors import GridgenError, quoted, shortened
 
 if TYPE_CHECKING:
-    from ..fields.field import Source
+    from ..fields.scalar import Source
 
 _ARRAYS = "expected the arrays x (nx,), y (ny,) and values (nx, ny), or values (ni, nj) at the nodes of the start"
 _SAMPLES = "expected the header x,y,value and one sample per line"
@@ -19,7 +19,7 @@ _FEWEST_SMOOTH = 4
 
 
 def field_of(text: str, *, smooth: bool) -> Source:
-    """Return what `--to` or `--weight` names, as `as_field` takes it: a formula, samples, or numbers of one grid.
+    """Return what `--to` or `--weight` names, as `as_scalar` takes it: a formula, samples, or numbers of one grid.
 
     Args:
         text: the name of a .npz or .csv file, or a formula in x and y.

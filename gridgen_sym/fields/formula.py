@@ -33,14 +33,15 @@ class Formula:
 
     __slots__ = ("_result", "_steps", "text")
 
-    def __init__(self, text: str) -> None:
-        """Read the text.
+    def __init__(self, text: str, variables: tuple[str, str] = ("x", "y")) -> None:
+        """Read the text, a formula in two variables.
 
         Raises:
-            GridgenError: for text that is no formula in x and y; the message quotes the offending part.
+            GridgenError: for text that is no formula in them; the message quotes the offending part.
         """
         self.text, self._steps = text, list[_Step]()
-        names = {name: _Term(name, self._steps) for name in "xy"} | {"pi": np.pi}
+        terms = (_Term(name, self._steps) for name in "xy")
+        names: dict[str, Any] = dict(zip(variables, terms, strict=True)) | {"pi": np.pi}
         try:
             with np.errstate(all="ignore"):
                 self._result = evaluate(text, names, _FUNCTIONS)
@@ -154,9 +155,11 @@ class SymbolicFormula:
 
     Attributes:
         expression: what was given, with real symbols.
+        variables: names of the two coordinates.
     """
 
     expression: Any
+    variables: tuple[str, str] = ("x", "y")
     _compiled: dict[str, Callable[..., Any]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
@@ -166,9 +169,10 @@ class SymbolicFormula:
             GridgenError: for an expression in other symbols.
         """
         given = self.expression
-        unknown = sorted(str(one) for one in given.free_symbols if str(one) not in ("x", "y"))
+        unknown = sorted(str(one) for one in given.free_symbols if str(one) not in self.variables)
         if unknown:
-            raise GridgenError(f"the formula {given} contains {', '.join(unknown)}: use only the symbols x and y")
+            known = " and ".join(self.variables)
+            raise GridgenError(f"the formula {given} contains {', '.join(unknown)}: use only the symbols {known}")
         from ..functionals.choices import with_choices
         from ..functionals.metric import symbol
 
@@ -191,7 +195,8 @@ class SymbolicFormula:
 
             from ..functionals.metric import symbol
 
-            found = sympy.diff(self.expression, *(symbol(name) for name in key)) if key else self.expression
+            own = dict(zip("xy", map(symbol, self.variables), strict=True))
+            found = sympy.diff(self.expression, *(own[name] for name in key)) if key else self.expression
             found = sympy.sympify(found).replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
-            self._compiled[key] = sympy.lambdify([symbol("x"), symbol("y")], found, "numpy")
+            self._compiled[key] = sympy.lambdify(list(own.values()), found, "numpy")
         return self._compiled[key]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,21 @@ class Function:
     def derivatives(self, x: Array, y: Array, along: tuple[str, ...]) -> list[npt.ArrayLike]:
         """Return the derivatives along `x`, `y`, `xx`, `xy` or `yy`, by differences."""
         return [difference(self.function, x, y, key) for key in along]
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """A number everywhere."""
+
+    value: float
+
+    def values(self, x: Array, y: Array) -> npt.ArrayLike:
+        """Return the number."""
+        return self.value
+
+    def derivatives(self, x: Array, y: Array, along: tuple[str, ...]) -> list[npt.ArrayLike]:
+        """Return zeros."""
+        return [0.0 for _ in along]
 
 
 def difference(function: Callable[[Array, Array], npt.ArrayLike], x: Array, y: Array, along: str) -> Array:

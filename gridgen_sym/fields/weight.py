@@ -11,9 +11,9 @@ import numpy.typing as npt
 from ..arrays import Array
 from ..errors import GridgenError, UnusableValueError, quoted
 from ..grids import Grid
-from .field import Field, as_field
-from .field import Source as Source
 from .sampled import grid_field, raster_field, scattered_field
+from .scalar import ScalarField, as_scalar
+from .scalar import Source as Source
 
 Mode = Literal["frozen", "differentiated"]
 
@@ -27,8 +27,9 @@ class Weight:
 
     Attributes:
         source: a formula such as `"1 + 5*exp(-20*(x**2 + y**2))"`, a SymPy expression in x and y, a number, a
-            function of two arrays (x, y), or an array with one value per node or per cell (only with mode
-            `frozen`). Fields known by samples come from `on_grid`, `on_raster` and `on_points`.
+            function of two arrays (x, y), or (only with mode `frozen`) an array with one value per node, per cell, or
+            per corner (4, ni-1, nj-1) in the order of `corner_jacobians`. Fields known by samples come from `on_grid`,
+            `on_raster` and `on_points`.
         mode: `frozen`: s is held at the nodes and evaluated again between steps, so that s·J becomes constant
             for the area functional; `differentiated`: s(x, y) belongs to the energy that is minimized, so that
             sqrt(s)·J becomes constant.
@@ -40,7 +41,7 @@ class Weight:
     source: Source
     mode: Mode = "frozen"
     allow_negative: bool = False
-    field: Field = field(init=False, repr=False)
+    field: ScalarField = field(init=False, repr=False)
 
     @classmethod
     def on_grid(
@@ -80,7 +81,7 @@ class Weight:
         """Make the field, and check what can be checked without a grid."""
         if self.mode not in ("frozen", "differentiated"):
             raise GridgenError(f"a weight's mode must be 'frozen' or 'differentiated'; came {quoted(self.mode)}")
-        object.__setattr__(self, "field", as_field(self.source, "the weight"))
+        object.__setattr__(self, "field", as_scalar(self.source, "the weight"))
         if self.per_node and self.mode != "frozen":
             raise GridgenError(
                 "an array of weights has no derivatives: use mode='frozen', or give a formula, a function or "
@@ -89,7 +90,7 @@ class Weight:
 
     @property
     def per_node(self) -> bool:
-        """Whether it is given at the nodes or in the cells of one grid only."""
+        """Whether it is given at the nodes, in the cells or at the corners of one grid only."""
         return self.field.per_node
 
     @property
@@ -97,8 +98,8 @@ class Weight:
         """Whether it is held while the nodes move, and evaluated again where they come to."""
         return self.mode == "frozen" and not self.per_node
 
-    def planes(self, coordinates: Array, names: tuple[str, ...]) -> Array:
-        """Return the weight at the nodes, and its derivatives that `names` lists after it, each (ni, nj).
+    def planes(self, coordinates: Array, names: tuple[str, ...]) -> list[Array]:
+        """Return the weight, per node, cell or corner as it is given, and its derivatives that `names` lists after it.
 
         Args:
             coordinates: (2, ni, nj).
@@ -107,27 +108,28 @@ class Weight:
         Raises:
             GridgenError: if it is not finite at a node, or negative without `allow_negative`; the node is named.
         """
-        value = self.values(coordinates)
-        if len(names) == 1:
-            return value[np.newaxis]
         x, y = coordinates
+        value = self._checked(self.field.plane(x, y), coordinates, "node")
+        if len(names) == 1:
+            return [value]
         derivatives = self.field.derivatives(x, y, tuple(name.removeprefix("s_") for name in names[1:]))
         for name, derivative in zip(names[1:], derivatives, strict=True):
             _check_size(derivative, f"the weight's derivative {name}", coordinates)
-        return np.stack([value, *derivatives])
+        return [value, *derivatives]
 
     def values(self, coordinates: Array, where: str = "node") -> Array:
         """Return the weight at points (2, ni, nj), checked as `planes` does; messages call a point `where`."""
-        x, y = coordinates
-        value = self.field.values(x, y, where)
+        return self._checked(self.field.values(coordinates[0], coordinates[1], where), coordinates, where)
+
+    def _checked(self, value: Array, coordinates: Array, where: str) -> Array:
+        """Refuse a weight that is too large, or negative without `allow_negative`."""
         _check_size(value, "the weight", coordinates)
         if value.min() < 0 and not self.allow_negative:
-            i, j = divmod(int(value.argmin()), value.shape[1])
             raise UnusableValueError(
-                f"the weight must not be negative: it is {value.min():.6g} at {where} ({i}, {j}), x = {x[i, j]:.6g}, "
-                f"y = {y[i, j]:.6g}, and where cells may fold the energy has no lower bound. Add at least "
-                f"{-value.min():.6g} to it, take its absolute value, or insist with Weight(..., allow_negative=True) "
-                "(--allow-negative-weight)"
+                f"the weight must not be negative: it is {value.min():.6g} at "
+                f"{_place(value, int(value.argmin()), coordinates, where)}, and where cells may fold the energy has no "
+                f"lower bound. Add at least {-value.min():.6g} to it, take its absolute value, or insist with "
+                "Weight(..., allow_negative=True) (--allow-negative-weight)"
             )
         return value
 
@@ -143,12 +145,20 @@ class Weight:
 def _check_size(value: Array, name: str, coordinates: Array) -> None:
     """Refuse values whose squares overflow."""
     if np.abs(value).max() > LARGEST:
-        i, j = divmod(int(np.abs(value).argmax()), value.shape[1])
-        x, y = coordinates[:, i, j]
+        number = int(np.abs(value).argmax())
         raise UnusableValueError(
-            f"{name} is {value[i, j]:.3g} at node ({i}, {j}), x = {x:.6g}, y = {y:.6g}, and its square overflows: "
-            f"divide it by a constant (at most {LARGEST:g} is allowed)"
+            f"{name} is {value.flat[number]:.3g} at {_place(value, number, coordinates, 'node')}, and its square "
+            f"overflows: divide it by a constant (at most {LARGEST:g} is allowed)"
         )
+
+
+def _place(value: Array, number: int, coordinates: Array, where: str) -> str:
+    """Return the place of an entry of a plane in words: at a point with its coordinates."""
+    index = tuple(int(k) for k in np.unravel_index(number, value.shape))
+    if value.shape != coordinates.shape[1:]:
+        return f"{'corner' if value.ndim == 3 else 'cell'} {index}"
+    x, y = coordinates[0][index], coordinates[1][index]
+    return f"{where} {index}, x = {x:.6g}, y = {y:.6g}"
 
 
 def as_weight(weight: Weight | Source | None) -> Weight | None:

@@ -175,6 +175,26 @@ def folded_corners(jacobians: Array) -> NDArray[np.bool_]:
     return ~np.asarray(jacobians > 0)
 
 
+def corner_edges(x: Array, y: Array) -> Array:
+    """Return the edge vectors at the four corners of every cell, in the order of `corner_jacobians`.
+
+    Args:
+        x: the x coordinates, shape (ni, nj).
+        y: the y coordinates, shape (ni, nj).
+
+    Returns:
+        x_xi, x_eta, y_xi and y_eta, the Jacobian matrix row by row: (4, 4, ni-1, nj-1), corners along the second axis.
+    """
+    low, high = slice(None, -1), slice(1, None)
+    corners = ((low, low), (low, high), (high, high), (high, low))
+    rows = []
+    for plane in (x, y):
+        along_xi, along_eta = plane[1:] - plane[:-1], plane[:, 1:] - plane[:, :-1]
+        rows.append(np.stack([along_xi[:, xi_edge] for xi_edge, _ in corners]))
+        rows.append(np.stack([along_eta[eta_edge] for _, eta_edge in corners]))
+    return np.stack(rows)
+
+
 def corner_jacobians(x: Array, y: Array) -> Array:
     """Return the Jacobian J = x_xi y_eta - x_eta y_xi at the four corners of every cell.
 

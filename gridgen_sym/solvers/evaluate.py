@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ..arrays import Array
 from ..deprecation import renamed_arguments
+from ..fields.target import Target
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..grids import Grid
@@ -23,13 +24,25 @@ def energy(
     functional: str | Functional,
     *,
     weight: Weight | Source | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | Grid | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
     backend: str | None = None,
 ) -> float:
-    """Return the discrete energy, summed over all corners of all cells (or those at inner nodes only)."""
+    """Return the discrete energy, summed over all corners of all cells (or those at inner nodes only).
+
+    Arguments are as in `optimize`.
+    """
     problem = make_problem(
-        grid, functional, weight=weight, parameters=parameters, interior_only=interior_only, backend=backend
+        grid,
+        functional,
+        weight=weight,
+        fields=fields,
+        target=target,
+        parameters=parameters,
+        interior_only=interior_only,
+        backend=backend,
     )
     return problem.energy(grid.planes)[0]
 
@@ -40,6 +53,8 @@ def gradient(
     functional: str | Functional,
     *,
     weight: Weight | Source | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | Grid | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
@@ -50,6 +65,8 @@ def gradient(
         grid,
         functional,
         weight=weight,
+        fields=fields,
+        target=target,
         fixed=fixed,
         parameters=parameters,
         interior_only=interior_only,
@@ -64,6 +81,8 @@ def hessian(
     functional: str | Functional,
     *,
     weight: Weight | Source | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | Grid | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     semidefinite: bool = False,
@@ -79,6 +98,8 @@ def hessian(
         grid,
         functional,
         weight=weight,
+        fields=fields,
+        target=target,
         fixed=fixed,
         parameters=parameters,
         interior_only=interior_only,

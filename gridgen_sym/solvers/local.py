@@ -20,7 +20,7 @@ COLORS = 4
 
 
 def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, reach: float) -> float:
-    """Visit every node that is not in `fixed` once, in place; the weight is not evaluated anew.
+    """Visit every node that is not in `fixed` once, in place; held values are not evaluated anew.
 
     Args:
         problem: what is minimized.
@@ -35,7 +35,7 @@ def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, re
     return max(
         problem.kernels.sweep(
             coordinates,
-            problem.weights(coordinates),
+            problem.values(coordinates),
             fixed,
             color,
             floor=floor,

@@ -28,7 +28,7 @@ class Run:
 
     Attributes:
         problem: on the grid itself.
-        make: binds the same functional and weight to another grid.
+        make: binds the same functional, weight, fields and target to another grid.
         functional: what is minimized.
         parameters: of the functional.
         coordinates: (2, ni, nj).

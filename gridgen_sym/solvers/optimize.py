@@ -10,10 +10,12 @@ import numpy.typing as npt
 
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
+from ..fields.target import Target
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Grid
+from ..grids.grid import check_grid
 from .local import sweep_until_converged
 from .minimization import Run
 from .newton.minimize import minimize
@@ -36,6 +38,8 @@ def optimize(
     method: Literal["newton", "local"] = "newton",
     *,
     weight: Weight | Source | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | Grid | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     tolerance: float = 1e-6,
@@ -59,6 +63,9 @@ def optimize(
         method: `newton` moves all nodes at once; `local` is the paper's method, one node at a time.
         weight: the paper's adaptive function: formula, function, array or `Weight`. A density that does not name
             the weight is multiplied by it.
+        fields: values of the fields that the density declares, by name: for each a `Field`, or what one is made of.
+        target: what cells should be like; the metric is taken relative to it, in any functional. A `Target`, or a
+            reference grid of the same shape.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the gradient's norm must fall.
@@ -83,6 +90,7 @@ def optimize(
     if method not in ("newton", "local"):
         raise GridgenError(f"unknown method {quoted(method)}: optimize takes 'newton' or 'local'")
     check_controls(tolerance, max_iterations, callback, time_limit)
+    check_grid(grid)
     definition = find_functional(functional)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
@@ -90,10 +98,13 @@ def optimize(
             on,
             definition,
             weight=weight,
+            fields=fields,
+            target=target,
             fixed=fixed,
             parameters=parameters,
             interior_only=interior_only,
             guard_summed_only=interior_only and not keep_valid,
+            arrays_of=grid.shape,
             backend=backend,
         )
 

@@ -10,12 +10,14 @@ import numpy.typing as npt
 
 from ..arrays import Array, Mask
 from ..errors import UnusableValueError
+from ..fields.inputs import DensityInputs, density_inputs
+from ..fields.target import Target, as_target
 from ..fields.weight import Source, Weight, as_weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Grid, corner_jacobians
 from ..grids.grid import check_grid
-from ..runtime import KernelSet, kernels
+from ..runtime import KernelSet, Values, kernels
 from .folds import Folds
 from .run.checks import check_size, fixed_mask
 
@@ -25,19 +27,19 @@ class Problem:
     """Energy, gradient and Hessian as functions of the coordinates (2, ni, nj).
 
     Attributes:
-        kernels: of the functional, in the variant that the weight requires.
+        kernels: of the functional, in the variant that its inputs require.
         fixed: (ni, nj), non-zero at nodes that do not move; the boundary is fixed.
-        weight: the weight, or None.
+        inputs: the weight, fields and target that the density is given; None where it needs none.
         interior_only: sum over the corners at inner nodes only, as the paper prints it.
         guard_summed_only: the smallest Jacobian is that of the corners that are summed: others may fold.
     """
 
     kernels: KernelSet
     fixed: Mask
-    weight: Weight | None
+    inputs: DensityInputs | None
     interior_only: bool = False
     guard_summed_only: bool = False
-    _planes: Array | None = None
+    _values: Values | None = None
     _inner_fixed: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -45,25 +47,31 @@ class Problem:
         self._inner_fixed = bool(self.fixed[1:-1, 1:-1].any())
 
     def refresh(self, coordinates: Array) -> None:
-        """Evaluate the weight at the nodes' present positions."""
-        if self.weight is not None:
-            self._planes = self.weight.planes(coordinates, self.kernels.planes)
+        """Evaluate the weight and the fields at the nodes' present positions."""
+        if self.inputs is not None and not (self._values is not None and self._is_settled):
+            planes = self.inputs.planes(coordinates, self.kernels.planes)
+            self._values = Values.of(planes, (coordinates.shape[1], coordinates.shape[2]))
 
-    def weights(self, coordinates: Array) -> Array | None:
-        """Return the planes of the weight: as last refreshed if frozen, at these coordinates if differentiated."""
-        if self.weight is not None and (self._planes is None or self.weight.mode == "differentiated"):
+    @property
+    def _is_settled(self) -> bool:
+        """Whether the values do not depend on where the nodes are."""
+        return self.inputs is not None and self.inputs.settled and not self.kernels.moving
+
+    def values(self, coordinates: Array) -> Values | None:
+        """Return what the density is given: as last refreshed where it is held, else at these coordinates."""
+        if self.inputs is not None and (self._values is None or self.kernels.moving):
             self.refresh(coordinates)
-        return self._planes
+        return self._values
 
     def energy(self, coordinates: Array) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian."""
-        energy, smallest = self.kernels.energy(coordinates, self.weights(coordinates), interior_only=self.interior_only)
+        energy, smallest = self.kernels.energy(coordinates, self.values(coordinates), interior_only=self.interior_only)
         return energy, self._guarded(coordinates, smallest)
 
     def energy_gradient(self, coordinates: Array, out: Array | None = None) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian and the gradient (2, ni, nj; in `out`), zero at fixed nodes."""
         energy, smallest, gradient = self.kernels.energy_gradient(
-            coordinates, self.weights(coordinates), interior_only=self.interior_only, out=out
+            coordinates, self.values(coordinates), interior_only=self.interior_only, out=out
         )
         return energy, self._guarded(coordinates, smallest), self.pin(gradient)
 
@@ -82,7 +90,7 @@ class Problem:
         """Return the stored half of the Hessian (19, ni, nj); entries of fixed nodes are not removed."""
         return self.kernels.hessian(
             coordinates,
-            self.weights(coordinates),
+            self.values(coordinates),
             semidefinite=semidefinite,
             interior_only=self.interior_only,
             out=out,
@@ -128,23 +136,25 @@ class Problem:
 
     def caution(self, coordinates: Array) -> str:
         """Return remarks on the energy and its weight for the user, with a leading blank, or nothing."""
-        if self.weight is None:
+        weight = self.inputs.weight if self.inputs is not None else None
+        remarks = self.inputs.remarks(coordinates) if self.inputs is not None else ""
+        if weight is None:
             same = self.kernels.null_lagrangian and not self.interior_only
             what = f" The energy of {self.kernels.functional} is the same for every grid with this boundary"
-            return f"{what}: there is nothing to minimize." if same else ""
-        if self._planes is not None and not self._planes[0].any():
+            return f"{what}: there is nothing to minimize." if same else remarks
+        if self._values is not None and not self._values.nodes[0].any():
             flat = self.energy(coordinates)[0] == 0
             return (
                 f" The weight is zero at every node: {'every grid has the energy zero' if flat else 'it asks nothing'}."
             )
-        said = ""
-        outside = self.weight.nodes_outside(coordinates)
+        said = remarks
+        outside = weight.nodes_outside(coordinates)
         if outside:
             said = (
                 f" {outside} of {coordinates[0].size} nodes lie outside the weight's samples: the nearest sample "
                 "counts there."
             )
-        negative = self.weight.negative_nodes(coordinates)
+        negative = weight.negative_nodes(coordinates)
         if negative:
             # On valid grids with this boundary J is bounded, and so is the energy, unless it has a barrier.
             bound = "where cells may fold, the energy has no lower bound, and"
@@ -192,21 +202,29 @@ def make_problem(
     functional: str | Functional,
     *,
     weight: Weight | Source | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | Grid | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
     guard_summed_only: bool = False,
+    arrays_of: tuple[int, int] | None = None,
     backend: str | None = None,
 ) -> Problem:
     """Bind a functional to a grid's shape, with checked input.
 
+    `arrays_of` is the shape of the grid that arrays of values belong to, where it is a finer one.
+
     Raises:
-        GridgenError: for an unknown functional, bad parameters, a bad weight or a mask of the wrong shape.
+        GridgenError: for an unknown functional, bad parameters, bad values or a mask of the wrong shape.
     """
     check_grid(grid)
     check_size(grid)
-    chosen = as_weight(weight)
-    kernel_set = kernels(find_functional(functional), chosen.mode if chosen else "plain", parameters, backend)
-    problem = Problem(kernel_set, fixed_mask(grid, fixed), chosen, bool(interior_only), guard_summed_only)
+    definition = find_functional(functional)
+    home = grid.shape if arrays_of is None else arrays_of
+    inputs = density_inputs(definition, home, as_weight(weight), fields, as_target(target))
+    kernel_set = kernels(definition, inputs.variant, parameters, backend)
+    given = inputs if kernel_set.planes else None
+    problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only)
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem

@@ -73,19 +73,20 @@ def test_every_differentiated_form_belongs_to_the_energy(form):
 
 def test_a_raster_knows_its_derivatives():
     x, y = np.meshgrid(np.linspace(0, 1, 7), np.linspace(0.1, 0.9, 5), indexing="ij")
-    planes = on_raster("differentiated").planes(np.stack((x, y)), ("s", "s_x", "s_y", "s_xx", "s_xy", "s_yy"))
-    exact = gg.Weight(expression(), "differentiated").planes(
-        np.stack((x, y)), ("s", "s_x", "s_y", "s_xx", "s_xy", "s_yy")
-    )
+    names = ("s", "s_x", "s_y", "s_xx", "s_xy", "s_yy")
+    planes = np.stack(on_raster("differentiated").planes(np.stack((x, y)), names))
+    exact = np.stack(gg.Weight(expression(), "differentiated").planes(np.stack((x, y)), names))
     assert np.abs(planes - exact).max() < 0.02 * np.abs(exact).max()
 
 
-def test_an_array_per_cell_is_the_mean_at_the_nodes():
+def test_an_array_per_cell_stays_so():
     grid = gg.domain("square", 9, 8)
     center = np.add.outer(np.arange(8) + 0.5, np.arange(7) + 0.5)
-    planes = gg.Weight(center).planes(grid.planes, ("s",))[0]
-    node = np.add.outer(np.arange(9.0), np.arange(8.0))
-    np.testing.assert_allclose(planes[1:-1, 1:-1], node[1:-1, 1:-1], rtol=1e-14)
+    np.testing.assert_array_equal(gg.Weight(center).planes(grid.planes, ("s",))[0], center)
+    # J = (1/56)² in every cell, so that its sum over the four corners is that of s.
+    assert gg.energy(grid, "area", weight=center) == pytest.approx(4 * center.sum() / 56**2, rel=1e-12)
+    corners = np.random.default_rng(2).uniform(1, 2, (4, 8, 7))
+    assert gg.energy(grid, "area", weight=corners) == pytest.approx(corners.sum() / 56**2, rel=1e-12)
     result = gg.optimize(mild_grid(), "combined", weight=center)
     assert result.converged
     assert gradient_norm(result.grid, "combined", weight=center) < 1e-4
@@ -111,7 +112,7 @@ def test_a_spline_is_flat_across_an_edge_that_it_is_continued_over():
     axis = np.linspace(0, 1, 9)
     weight = gg.Weight.on_raster(axis, axis, np.add.outer(1 + axis**2, axis), "differentiated")
     planes = weight.planes(np.array([[[2.0]], [[0.5]]]), ("s", "s_x", "s_y"))
-    np.testing.assert_allclose(planes.ravel(), [2.5, 0.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose(np.ravel(planes), [2.5, 0.0, 1.0], atol=1e-9)
 
 
 # ---- refusals ----

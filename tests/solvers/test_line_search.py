@@ -20,12 +20,12 @@ from gridgen_sym.solvers.run.step_control import StepControl, diverges, jacobian
 class OneNumber:
     """An energy of the first coordinate alone; its Jacobian, too, is a function of it."""
 
-    weight = None
+    inputs = None
 
     def __init__(self, energy, slope, jacobian=lambda x: 1.0, scale=1.0, round_off=0.0, barrier=True):
         self._energy, self._slope, self._jacobian = energy, slope, jacobian
         self.scale, self.rounding = scale, round_off
-        self.kernels = SimpleNamespace(barrier=barrier, polyconvex=True)
+        self.kernels = SimpleNamespace(barrier=barrier, polyconvex=True, planes=())
 
     def refresh(self, coordinates):
         """There is no weight."""
@@ -227,11 +227,11 @@ def test_a_trial_point_without_a_value_is_a_refused_step():
 
 def test_a_held_weight_must_exist_where_a_step_leads():
     problem = OneNumber(lambda x: (x - 3) ** 2, lambda x: 2 * (x - 3))
-    problem.weight = SimpleNamespace(lags=True, values=lambda place: ends_at_one(place[0, 0, 0]))
+    problem.inputs = SimpleNamespace(lags=True, exists=lambda place, names: place[0, 0, 0] <= 1)
     found = search(problem, 0.0)
     assert found.along(direction(3.0))
     assert found.length == 0.25
-    problem.weight.lags = False
+    problem.inputs.lags = False
     assert found.along(direction(3.0))
     assert found.length == 1.0
 

@@ -100,7 +100,7 @@ def test_a_regularized_problem_has_no_barrier_no_weight_and_all_corners():
     problem = make_problem(grid, definition, weight="1 + x**2", fixed=fixed, interior_only=True)
     regular = regularized(problem, definition, None, 1e-3)
     assert not regular.kernels.barrier
-    assert regular.weight is None
+    assert regular.inputs is None
     assert not regular.interior_only
     assert np.array_equal(regular.fixed, problem.fixed)
     k = {"k": 1e-3}

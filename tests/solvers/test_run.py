@@ -61,7 +61,7 @@ def test_the_better_of_two_starts_is_taken(name, present, offered, better):
     taken = offered if better else present
     np.testing.assert_array_equal(run.coordinates, taken)
     # The weight is held as it is on the grid that counts.
-    np.testing.assert_allclose(problem.weights(run.coordinates)[0], 1 + taken[0] + 2 * taken[1])
+    np.testing.assert_allclose(problem.values(run.coordinates).nodes[0], 1 + taken[0] + 2 * taken[1])
     untangled = name == "winslow" and folds(present) > 0 and folds(taken) == 0
     assert (run.untangled_by == "nested iteration") == untangled
 

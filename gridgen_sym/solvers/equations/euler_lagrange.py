@@ -15,10 +15,12 @@ import numpy.typing as npt
 
 from ...deprecation import renamed_arguments
 from ...errors import GridgenError, quoted
+from ...fields.target import Target
 from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
 from ...functionals.registry import functional as find_functional
 from ...grids import Grid, corner_jacobians, folded_corners
+from ...grids.grid import check_grid
 from ..minimization import Run
 from ..newton.minimize import minimize
 from ..problem import Problem, make_problem
@@ -46,6 +48,8 @@ def solve_euler_lagrange(
     method: Literal["newton", "relaxation"] = "newton",
     *,
     weight: Weight | Source | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | Grid | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     tolerance: float = 1e-8,
@@ -67,6 +71,9 @@ def solve_euler_lagrange(
             Newton's method starts near the minimum of the discrete energy, which it finds first: on coarse grids, or
             after untangling. These steps are not counted as iterations. Relaxation starts from `grid` as it is.
         weight: the paper's adaptive function: formula, function, array or `Weight`.
+        fields: values of the fields that the density declares, by name: for each a `Field`, or what one is made of.
+        target: what cells should be like; the metric is taken relative to it, in any functional. A `Target`, or a
+            reference grid of the same shape.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the residual's norm must fall.
@@ -91,10 +98,21 @@ def solve_euler_lagrange(
         raise GridgenError(f"unknown method {quoted(method)}: solve_euler_lagrange takes 'newton' or 'relaxation'")
     check_controls(tolerance, max_iterations, callback, time_limit)
     _check_numbers(spacing, relaxation)
+    check_grid(grid)
     definition = find_functional(functional)
 
     def make(on: Grid, inside: npt.ArrayLike | None = None) -> Problem:
-        return make_problem(on, definition, weight=weight, fixed=inside, parameters=parameters, backend=backend)
+        return make_problem(
+            on,
+            definition,
+            weight=weight,
+            fields=fields,
+            target=target,
+            fixed=inside,
+            parameters=parameters,
+            arrays_of=grid.shape,
+            backend=backend,
+        )
 
     limit = _LIMITS[method] if max_iterations is None else max_iterations
     title = f"Euler–Lagrange equations of {definition.name}"

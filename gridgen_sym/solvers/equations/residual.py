@@ -16,7 +16,7 @@ class Equations:
     """Residual and Jacobian as functions of the coordinates, and the best grids that an iteration has seen.
 
     Attributes:
-        problem: kernels, weight and fixed nodes.
+        problem: kernels, values and fixed nodes.
         spacing: of the logical coordinates.
         best: of all grids (False) and of the valid ones (True): the residual's norm and the coordinates.
     """
@@ -29,14 +29,14 @@ class Equations:
     def residual(self, coordinates: Array) -> Array:
         """Return the residual (2, ni, nj), zero at fixed nodes."""
         residual = self.problem.kernels.euler_lagrange_residual(
-            coordinates, self.problem.weights(coordinates), self.spacing
+            coordinates, self.problem.values(coordinates), self.spacing
         )
         return self.problem.pin(residual)
 
     def jacobian(self, coordinates: Array) -> Array:
         """Return the planes (36, ni, nj) of the Jacobian, in memory that the next call writes to again."""
         self._planes = self.problem.kernels.euler_lagrange_jacobian(
-            coordinates, self.problem.weights(coordinates), self.spacing, out=self._planes
+            coordinates, self.problem.values(coordinates), self.spacing, out=self._planes
         )
         return self._planes
 

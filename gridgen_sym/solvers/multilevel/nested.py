@@ -29,7 +29,8 @@ def worth_nesting(problem: Problem, coordinates: Array) -> bool:
     node would be lost.
     """
     inner_fixed = bool(problem.fixed[1:-1, 1:-1].any())
-    weight_per_node = problem.weight is not None and problem.weight.per_node
+    weight = problem.inputs.weight if problem.inputs is not None else None
+    weight_per_node = weight is not None and weight.per_node
     if inner_fixed or weight_per_node or len(coarse_shapes(problem.fixed.shape)) == 1:
         return False
     if not problem.energy(coordinates)[1] > 0:
@@ -43,7 +44,7 @@ class Nested:
     """A run over the coarse grids of one boundary.
 
     Attributes:
-        make: binds the functional and its weight to a grid.
+        make: binds the functional, its weight, fields and target to a grid.
         functional: what is minimized.
         parameters: of the functional.
         report: receives every step.

@@ -43,7 +43,7 @@ class LineSearch:
         for _ in range(_HALVINGS):
             self.energy, smallest = self._energy_at(direction, self.length)
             lower = self.energy <= self.iterate.energy + _SUFFICIENT * self.length * slope + round_off
-            if lower and smallest > self.lowest and self._weight_exists():
+            if lower and smallest > self.lowest and self._values_exist():
                 return True
             self.folds |= bool(lower) and not smallest > self.lowest
             self.length *= 0.5
@@ -60,7 +60,7 @@ class LineSearch:
         self.length, self.folds = 0.0, False
         for _ in range(_HALVINGS):
             energy, smallest = self._energy_at(direction, length)
-            if energy < least and smallest > self.lowest and self._weight_exists():
+            if energy < least and smallest > self.lowest and self._values_exist():
                 self.length, self.energy, least = length, energy, energy
             elif self.length:
                 break
@@ -70,7 +70,7 @@ class LineSearch:
     def _energy_at(self, direction: Array, length: float) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian after a step of this length.
 
-        Where the weight has no value that can be used the energy is infinite, so that the step is refused.
+        Where the weight, or a field, has no value that can be used the energy is infinite, so that the step is refused.
         """
         np.multiply(direction, length, out=self.trial)
         self.trial += self.iterate.coordinates
@@ -79,16 +79,12 @@ class LineSearch:
         except UnusableValueError:
             return np.inf, -np.inf
 
-    def _weight_exists(self) -> bool:
-        """Return whether a weight that is held now can be evaluated on the trial grid, once the step is taken."""
-        weight = self.iterate.problem.weight
-        if weight is None or not weight.lags:
+    def _values_exist(self) -> bool:
+        """Return whether values that are held now can be evaluated on the trial grid, once the step is taken."""
+        problem = self.iterate.problem
+        if problem.inputs is None or not problem.inputs.lags:
             return True
-        try:
-            weight.values(self.trial)
-        except UnusableValueError:
-            return False
-        return True
+        return problem.inputs.exists(self.trial, problem.kernels.planes)
 
 
 def _noise(energy: float) -> float:

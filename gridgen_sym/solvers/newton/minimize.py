@@ -111,7 +111,7 @@ def minimize(
         if control.holds_back:
             more = " This is the best valid grid" + ("." if barrier else "; keep_valid=False lets cells fold.")
             return _stuck(Status.HELD_BACK, iterate, convergence, more)
-        if problem.weight is not None and problem.weight.lags and iteration - least[1] >= _UNSETTLED:
+        if problem.inputs is not None and problem.inputs.lags and iteration - least[1] >= _UNSETTLED:
             return _stuck(Status.UNSETTLED, iterate, convergence)
     return _stuck(Status.ITERATION_LIMIT, iterate, convergence, "" if barrier else str(control), steps=max_iterations)
 

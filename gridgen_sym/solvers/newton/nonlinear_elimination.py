@@ -33,8 +33,8 @@ _SMALLEST = 4096
 def steep_subdomains(iterate: Iterate) -> list[tuple[slice, slice]]:
     """Return small subdomains, as slices of nodes, that hold nearly all of the gradient; none where there are none."""
     problem, coordinates = iterate.problem, iterate.coordinates
-    # A weight, and the set of corners that count, depend on the whole grid.
-    if problem.weight is not None or problem.interior_only or coordinates[0].size < _SMALLEST:
+    # Values beside the metric, and the set of corners that count, depend on the whole grid.
+    if problem.inputs is not None or problem.interior_only or coordinates[0].size < _SMALLEST:
         return []
     squares = _squares(iterate.gradient)
     standing = _standing_out(squares, _CUT_OUT)

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from ...arrays import Array
 from ...functionals.definition import Functional
+from ...functionals.registry import functional as find_functional
 from ...runtime import kernels
 from ..folds import Folds, mean_jacobian
 from ..linear.systems import hessian_solver
@@ -128,7 +129,16 @@ def _ended(folds: list[Folds], patience: int = FAST.patience) -> bool:
 def regularized(
     problem: Problem, functional: Functional, parameters: Mapping[str, float] | None, epsilon: float
 ) -> Problem:
-    """Return the same problem with the regularized barrier, without a weight, over all corners."""
-    kernel_set = kernels(functional, "regularized", {**(parameters or {}), "epsilon": epsilon}, problem.kernels.backend)
+    """Return the same problem with the regularized barrier, without a weight, over all corners.
+
+    Where the density needs more than the metric, Winslow's barrier is taken: the boundary alone decides on validity.
+    """
+    kernel_set = None
+    if not functional.fields:
+        given = {**(parameters or {}), "epsilon": epsilon}
+        kernel_set = kernels(functional, "regularized", given, problem.kernels.backend)
+    if kernel_set is None or kernel_set.planes:
+        winslow = find_functional("winslow")
+        kernel_set = kernels(winslow, "regularized", {"epsilon": epsilon}, problem.kernels.backend)
     # Its energy is finite everywhere, so the line search need not keep corners positive.
     return Problem(replace(kernel_set, barrier=False), problem.fixed, None)
