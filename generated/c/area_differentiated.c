@@ -199,7 +199,7 @@ INLINE residual_values residual(double x_xi, double y_xi, double x_eta, double y
   return (residual_values){r_x, r_y};
 }
 
-typedef struct { double r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta, x_x, y_x, x_y, y_y; } residual_slopes_values;
+typedef struct { double r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x, y_x, x_y, y_y, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta; } residual_slopes_values;
 
 INLINE residual_slopes_values residual_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double x_xixi, double x_xieta, double x_etaeta, double y_xixi, double y_xieta, double y_etaeta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
   (void)parameters;
@@ -229,15 +229,15 @@ INLINE residual_slopes_values residual_slopes(double x_xi, double y_xi, double x
   const double t26 = s*x_xi;
   const double t27 = t26*y_etaeta;
   const double t31 = t26*y_xieta;
-  const double t33 = -(t1*x_eta);
-  const double t34 = 2.0*y_xi;
-  const double t35 = -(t3*x_xi);
-  const double t36 = 2.0*x_xi;
-  const double t38 = x_eta*y_eta;
-  const double t39 = x_xi*y_xi;
-  const double t40 = t0 + t15;
-  const double t41 = t40*y_xieta + t8*x_etaeta + t9*x_xixi - t34*x_xieta*y_eta - t38*y_xixi - t39*y_etaeta;
-  const double t43 = t21*y_xixi + t22*y_etaeta + t40*x_xieta - t36*x_eta*y_xieta - t38*x_xixi - t39*x_etaeta;
+  const double t34 = x_eta*y_eta;
+  const double t35 = x_xi*y_xi;
+  const double t36 = 2.0*y_xi;
+  const double t37 = t0 + t15;
+  const double t38 = t37*y_xieta + t8*x_etaeta + t9*x_xixi - t34*y_xixi - t35*y_etaeta - t36*x_xieta*y_eta;
+  const double t40 = 2.0*x_xi;
+  const double t41 = t21*y_xixi + t22*y_etaeta + t37*x_xieta - t34*x_xixi - t35*x_etaeta - t40*x_eta*y_xieta;
+  const double t42 = -(t1*x_eta);
+  const double t43 = -(t3*x_xi);
   const double J = x_xi*y_eta - t0;
   const double t5 = (1.0/2.0)*(J*J);
   const double t24 = J*s_x;
@@ -246,8 +246,8 @@ INLINE residual_slopes_values residual_slopes(double x_xi, double y_xi, double x
   const double t29 = J*s_y;
   const double t30 = t11*x_xi - t23 - t29;
   const double t32 = J*t14;
-  const double t37 = J*x_xi*y_eta - J*t0 - t5;
-  const double t42 = s_xy*t37;
+  const double t33 = J*x_xi*y_eta - J*t0 - t5;
+  const double t39 = s_xy*t33;
   const double r_x = J*t14*y_eta + s*t8*x_etaeta + s*t9*x_xixi + t16*y_xieta - J*t12 - s_x*t5 - t2*x_eta - t4*x_xi - t7*y_xi;
   const double r_y = J*t11*x_xi + s*t21*y_xixi + s*t22*y_etaeta + t16*x_xieta - J*t23 - s_y*t5 - t17*x_eta - t18*x_xi - t20*x_xi;
   const double x_x_xi = t1*y_xieta + t24*y_eta + t25*y_eta - t4;
@@ -258,23 +258,23 @@ INLINE residual_slopes_values residual_slopes(double x_xi, double y_xi, double x
   const double y_x_eta = J*s_x*x_xi + 2.0*s*x_eta*y_xixi + s*x_xieta*y_xi - t17 - t30*y_xi - 2.0*t31 - t32;
   const double x_y_eta = 2.0*t17 + t25*x_xi + t31 + t32 - J*t13 - t19*y_xixi - 2.0*t3*x_xieta;
   const double y_y_eta = t26*x_xieta + t29*x_xi + t30*x_xi - t19*x_xixi;
+  const double x_x = s_x*t38 + s_xx*t33;
+  const double y_x = s_x*t41 + t39;
+  const double x_y = s_y*t38 + t39;
+  const double y_y = s_y*t41 + s_yy*t33;
   const double x_x_xixi = s*t9;
-  const double y_x_xixi = t33;
-  const double x_x_xieta = -(t1*t34);
+  const double y_x_xixi = t42;
+  const double x_x_xieta = -(t1*t36);
   const double y_x_xieta = t16;
   const double x_x_etaeta = s*t8;
-  const double y_x_etaeta = t35;
-  const double x_y_xixi = t33;
+  const double y_x_etaeta = t43;
+  const double x_y_xixi = t42;
   const double y_y_xixi = s*t21;
   const double x_y_xieta = t16;
-  const double y_y_xieta = -(t19*t36);
-  const double x_y_etaeta = t35;
+  const double y_y_xieta = -(t19*t40);
+  const double x_y_etaeta = t43;
   const double y_y_etaeta = s*t22;
-  const double x_x = s_x*t41 + s_xx*t37;
-  const double y_x = s_x*t43 + t42;
-  const double x_y = s_y*t41 + t42;
-  const double y_y = s_y*t43 + s_yy*t37;
-  return (residual_slopes_values){r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta, x_x, y_x, x_y, y_y};
+  return (residual_slopes_values){r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x, y_x, x_y, y_y, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta};
 }
 
 typedef struct { double r_x, r_y, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta; } residual_coefficients_values;

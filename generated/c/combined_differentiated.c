@@ -224,7 +224,7 @@ INLINE residual_values residual(double x_xi, double y_xi, double x_eta, double y
   return (residual_values){r_x, r_y};
 }
 
-typedef struct { double r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta, x_x, y_x, x_y, y_y; } residual_slopes_values;
+typedef struct { double r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x, y_x, x_y, y_y, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta; } residual_slopes_values;
 
 INLINE residual_slopes_values residual_slopes(double x_xi, double y_xi, double x_eta, double y_eta, double x_xixi, double x_xieta, double x_etaeta, double y_xixi, double y_xieta, double y_etaeta, double s, double s_x, double s_y, double s_xx, double s_xy, double s_yy, const double *restrict parameters) {
   const double t0 = x_eta*x_xi;
@@ -309,6 +309,10 @@ INLINE residual_slopes_values residual_slopes(double x_xi, double y_xi, double x
   const double y_x_eta = t11*t4 + t37*y_xieta + t44*t57 + t55*x_xieta + t56*x_xixi - t45*t46 - t49*y_xi - t58;
   const double x_y_eta = 2.0*t16*x_xixi + t42*x_xi + t50*t54 + t58 + t59*y_xieta + t60*y_xixi - t11*t5 - t14*t50;
   const double y_y_eta = t39*t57 + t48*x_xi + t49*x_xi + t53*t54 + t59*x_xieta + t60*x_xixi;
+  const double x_x = s_x*t67 + s_xx*t61;
+  const double y_x = s_x*t69 + t68;
+  const double x_y = s_y*t67 + t68;
+  const double y_y = s_y*t69 + s_yy*t61;
   const double x_x_xixi = t23;
   const double y_x_xixi = t17;
   const double x_x_xieta = t27;
@@ -321,11 +325,7 @@ INLINE residual_slopes_values residual_slopes(double x_xi, double y_xi, double x
   const double y_y_xieta = t33;
   const double x_y_etaeta = t15;
   const double y_y_etaeta = t31;
-  const double x_x = s_x*t67 + s_xx*t61;
-  const double y_x = s_x*t69 + t68;
-  const double x_y = s_y*t67 + t68;
-  const double y_y = s_y*t69 + s_yy*t61;
-  return (residual_slopes_values){r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta, x_x, y_x, x_y, y_y};
+  return (residual_slopes_values){r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x, y_x, x_y, y_y, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta};
 }
 
 typedef struct { double r_x, r_y, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta; } residual_coefficients_values;

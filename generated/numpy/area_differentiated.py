@@ -187,7 +187,7 @@ def residual(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi, y_xiet
     return residual_values(r_x, r_y)
 
 
-residual_slopes_values = namedtuple("residual_slopes_values", "r_x r_y x_x_xi y_x_xi x_y_xi y_y_xi x_x_eta y_x_eta x_y_eta y_y_eta x_x_xixi y_x_xixi x_x_xieta y_x_xieta x_x_etaeta y_x_etaeta x_y_xixi y_y_xixi x_y_xieta y_y_xieta x_y_etaeta y_y_etaeta x_x y_x x_y y_y")
+residual_slopes_values = namedtuple("residual_slopes_values", "r_x r_y x_x_xi y_x_xi x_y_xi y_y_xi x_x_eta y_x_eta x_y_eta y_y_eta x_x y_x x_y y_y x_x_xixi y_x_xixi x_x_xieta y_x_xieta x_x_etaeta y_x_etaeta x_y_xixi y_y_xixi x_y_xieta y_y_xieta x_y_etaeta y_y_etaeta")
 
 
 def residual_slopes(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi, y_xieta, y_etaeta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
@@ -217,15 +217,15 @@ def residual_slopes(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi,
     t26 = s*x_xi
     t27 = t26*y_etaeta
     t31 = t26*y_xieta
-    t33 = -(t1*x_eta)
-    t34 = 2.0*y_xi
-    t35 = -(t3*x_xi)
-    t36 = 2.0*x_xi
-    t38 = x_eta*y_eta
-    t39 = x_xi*y_xi
-    t40 = t0 + t15
-    t41 = t40*y_xieta + t8*x_etaeta + t9*x_xixi - t34*x_xieta*y_eta - t38*y_xixi - t39*y_etaeta
-    t43 = t21*y_xixi + t22*y_etaeta + t40*x_xieta - t36*x_eta*y_xieta - t38*x_xixi - t39*x_etaeta
+    t34 = x_eta*y_eta
+    t35 = x_xi*y_xi
+    t36 = 2.0*y_xi
+    t37 = t0 + t15
+    t38 = t37*y_xieta + t8*x_etaeta + t9*x_xixi - t34*y_xixi - t35*y_etaeta - t36*x_xieta*y_eta
+    t40 = 2.0*x_xi
+    t41 = t21*y_xixi + t22*y_etaeta + t37*x_xieta - t34*x_xixi - t35*x_etaeta - t40*x_eta*y_xieta
+    t42 = -(t1*x_eta)
+    t43 = -(t3*x_xi)
     J = x_xi*y_eta - t0
     t5 = (1.0/2.0)*(J*J)
     t24 = J*s_x
@@ -234,8 +234,8 @@ def residual_slopes(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi,
     t29 = J*s_y
     t30 = t11*x_xi - t23 - t29
     t32 = J*t14
-    t37 = J*x_xi*y_eta - J*t0 - t5
-    t42 = s_xy*t37
+    t33 = J*x_xi*y_eta - J*t0 - t5
+    t39 = s_xy*t33
     r_x = J*t14*y_eta + s*t8*x_etaeta + s*t9*x_xixi + t16*y_xieta - J*t12 - s_x*t5 - t2*x_eta - t4*x_xi - t7*y_xi
     r_y = J*t11*x_xi + s*t21*y_xixi + s*t22*y_etaeta + t16*x_xieta - J*t23 - s_y*t5 - t17*x_eta - t18*x_xi - t20*x_xi
     x_x_xi = t1*y_xieta + t24*y_eta + t25*y_eta - t4
@@ -246,23 +246,23 @@ def residual_slopes(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi,
     y_x_eta = J*s_x*x_xi + 2.0*s*x_eta*y_xixi + s*x_xieta*y_xi - t17 - t30*y_xi - 2.0*t31 - t32
     x_y_eta = 2.0*t17 + t25*x_xi + t31 + t32 - J*t13 - t19*y_xixi - 2.0*t3*x_xieta
     y_y_eta = t26*x_xieta + t29*x_xi + t30*x_xi - t19*x_xixi
+    x_x = s_x*t38 + s_xx*t33
+    y_x = s_x*t41 + t39
+    x_y = s_y*t38 + t39
+    y_y = s_y*t41 + s_yy*t33
     x_x_xixi = s*t9
-    y_x_xixi = t33
-    x_x_xieta = -(t1*t34)
+    y_x_xixi = t42
+    x_x_xieta = -(t1*t36)
     y_x_xieta = t16
     x_x_etaeta = s*t8
-    y_x_etaeta = t35
-    x_y_xixi = t33
+    y_x_etaeta = t43
+    x_y_xixi = t42
     y_y_xixi = s*t21
     x_y_xieta = t16
-    y_y_xieta = -(t19*t36)
-    x_y_etaeta = t35
+    y_y_xieta = -(t19*t40)
+    x_y_etaeta = t43
     y_y_etaeta = s*t22
-    x_x = s_x*t41 + s_xx*t37
-    y_x = s_x*t43 + t42
-    x_y = s_y*t41 + t42
-    y_y = s_y*t43 + s_yy*t37
-    return residual_slopes_values(r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta, x_x, y_x, x_y, y_y)
+    return residual_slopes_values(r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x, y_x, x_y, y_y, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta)
 
 
 residual_coefficients_values = namedtuple("residual_coefficients_values", "r_x r_y x_x_xixi y_x_xixi x_x_xieta y_x_xieta x_x_etaeta y_x_etaeta x_y_xixi y_y_xixi x_y_xieta y_y_xieta x_y_etaeta y_y_etaeta")

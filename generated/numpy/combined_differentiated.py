@@ -219,7 +219,7 @@ def residual(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi, y_xiet
     return residual_values(r_x, r_y)
 
 
-residual_slopes_values = namedtuple("residual_slopes_values", "r_x r_y x_x_xi y_x_xi x_y_xi y_y_xi x_x_eta y_x_eta x_y_eta y_y_eta x_x_xixi y_x_xixi x_x_xieta y_x_xieta x_x_etaeta y_x_etaeta x_y_xixi y_y_xixi x_y_xieta y_y_xieta x_y_etaeta y_y_etaeta x_x y_x x_y y_y")
+residual_slopes_values = namedtuple("residual_slopes_values", "r_x r_y x_x_xi y_x_xi x_y_xi y_y_xi x_x_eta y_x_eta x_y_eta y_y_eta x_x y_x x_y y_y x_x_xixi y_x_xixi x_x_xieta y_x_xieta x_x_etaeta y_x_etaeta x_y_xixi y_y_xixi x_y_xieta y_y_xieta x_y_etaeta y_y_etaeta")
 
 
 def residual_slopes(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi, y_xieta, y_etaeta, s, s_x, s_y, s_xx, s_xy, s_yy, parameters):
@@ -305,6 +305,10 @@ def residual_slopes(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi,
     y_x_eta = t11*t4 + t37*y_xieta + t44*t57 + t55*x_xieta + t56*x_xixi - t45*t46 - t49*y_xi - t58
     x_y_eta = 2.0*t16*x_xixi + t42*x_xi + t50*t54 + t58 + t59*y_xieta + t60*y_xixi - t11*t5 - t14*t50
     y_y_eta = t39*t57 + t48*x_xi + t49*x_xi + t53*t54 + t59*x_xieta + t60*x_xixi
+    x_x = s_x*t67 + s_xx*t61
+    y_x = s_x*t69 + t68
+    x_y = s_y*t67 + t68
+    y_y = s_y*t69 + s_yy*t61
     x_x_xixi = t23
     y_x_xixi = t17
     x_x_xieta = t27
@@ -317,11 +321,7 @@ def residual_slopes(x_xi, y_xi, x_eta, y_eta, x_xixi, x_xieta, x_etaeta, y_xixi,
     y_y_xieta = t33
     x_y_etaeta = t15
     y_y_etaeta = t31
-    x_x = s_x*t67 + s_xx*t61
-    y_x = s_x*t69 + t68
-    x_y = s_y*t67 + t68
-    y_y = s_y*t69 + s_yy*t61
-    return residual_slopes_values(r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta, x_x, y_x, x_y, y_y)
+    return residual_slopes_values(r_x, r_y, x_x_xi, y_x_xi, x_y_xi, y_y_xi, x_x_eta, y_x_eta, x_y_eta, y_y_eta, x_x, y_x, x_y, y_y, x_x_xixi, y_x_xixi, x_x_xieta, y_x_xieta, x_x_etaeta, y_x_etaeta, x_y_xixi, y_y_xixi, x_y_xieta, y_y_xieta, x_y_etaeta, y_y_etaeta)
 
 
 residual_coefficients_values = namedtuple("residual_coefficients_values", "r_x r_y x_x_xixi y_x_xixi x_x_xieta y_x_xieta x_x_etaeta y_x_etaeta x_y_xixi y_y_xixi x_y_xieta y_y_xieta x_y_etaeta y_y_etaeta")

@@ -23,6 +23,7 @@ def lower(
     parameters: Sequence[Symbol],
     outputs: Mapping[str, Expr],
     fields: Iterable[Symbol] = (),
+    names: Mapping[Symbol, Expr] | None = None,
 ) -> Program:
     """Lower named expressions to straight-line arithmetic.
 
@@ -35,6 +36,7 @@ def lower(
         parameters: of the functional.
         outputs: what it computes, by name.
         fields: inputs whose names are a user's: the components of declared fields and their derivatives.
+        names: what further symbols stand for, each after those that it is made of.
     """
     # A prefix keeps a user's parameter, or field, from having the name of a temporary or of a result.
     prefixed = {symbol: f"parameter_{symbol.name}" for symbol in parameters}
@@ -43,7 +45,7 @@ def lower(
     outputs = {key: sympy.sympify(value).xreplace(renamed) for key, value in outputs.items()}
     parameters, inputs = (tuple(renamed.get(symbol, symbol) for symbol in given) for given in (parameters, inputs))
     # Each metric symbol is a name of its own, so its definition is one assignment and not expanded.
-    definitions = _definitions(outputs.values(), set(inputs))
+    definitions = _definitions(outputs.values(), {**DEFINITIONS, **ALONG, **(names or {})}, set(inputs))
     wanted = [*(meaning.xreplace(renamed) for meaning in definitions.values()), *outputs.values()]
     prepared = [_without_negative_powers(expression) for expression in wanted]
     temporaries = (sympy.Symbol(f"t{k}", real=True) for k in range(10**6))
@@ -67,10 +69,11 @@ def lower(
     )
 
 
-def _definitions(expressions: Iterable[Expr], given: set[Symbol]) -> dict[Symbol, Expr]:
-    """Return the definitions of the metric symbols that the expressions need, in order of evaluation."""
+def _definitions(
+    expressions: Iterable[Expr], meanings: Mapping[Symbol, Expr], given: set[Symbol]
+) -> dict[Symbol, Expr]:
+    """Return the definitions that the expressions need, in order of evaluation."""
     needed = set().union(*(expression.free_symbols for expression in expressions)) - given
-    meanings = {**DEFINITIONS, **ALONG}
     for symbol in reversed(list(meanings)):
         if symbol in needed:
             needed |= meanings[symbol].free_symbols

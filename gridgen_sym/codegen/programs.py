@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import partial
 
 import sympy
@@ -21,9 +21,9 @@ from ..symbolic.coordinates import (
     SECOND_DERIVATIVES,
     Variant,
 )
-from ..symbolic.derive.continuous import EulerLagrange, euler_lagrange, residual_slopes
+from ..symbolic.derive.continuous import EulerLagrange, euler_lagrange
 from ..symbolic.derive.discrete import CornerModel, corner_model, has_barrier
-from ..symbolic.values import Values
+from ..symbolic.derive.solved_equations import solved_equations
 from .facts import KernelFacts, definition_digest, kernel_name
 from .interface import FUNCTIONS
 from .kernel import Kernel, Program
@@ -128,33 +128,19 @@ def _euler_lagrange_programs(equations: EulerLagrange, parameters: tuple[Symbol,
     """
     values = equations.values
     inputs = (*FIRST_DERIVATIVES, *SECOND_DERIVATIVES, *values.planes, *values.slopes)
-    system = equations.reduction.system if equations.reduction else equations.residual
-    residual = {"r_x": system[0], "r_y": system[1]}
-    slopes = {
-        f"{component}_{variable}": pair[row]
-        for variable, pair in residual_slopes(system).items()
-        for row, component in enumerate("xy")
-    }
-    second = {
-        key: value for key, value in slopes.items() if key[2:] in {str(variable) for variable in SECOND_DERIVATIVES}
-    }
-    position = _position_slopes(system, values) if values.moving else {}
-    make = partial(lower, fields=_of_user((*values.planes, *values.slopes)))
+    parts = solved_equations(equations)
+    residual, with_coefficients = (
+        dict(zip(("r_x", "r_y"), pair, strict=True)) for pair in (parts.residual, parts.residual_by_coefficients)
+    )
+    coefficients, slopes = _by_row(parts.coefficients), _by_row(parts.slopes)
+    make = partial(lower, fields=_of_user((*values.planes, *values.slopes)), names=parts.definitions)
     return [
         make("residual", inputs, parameters, residual),
-        make("residual_slopes", inputs, parameters, residual | slopes | position),
-        make("residual_coefficients", inputs, parameters, residual | second),
+        make("residual_slopes", inputs, parameters, residual | slopes | coefficients),
+        make("residual_coefficients", inputs, parameters, with_coefficients | coefficients),
     ]
 
 
-def _position_slopes(system: tuple[Expr, Expr], values: Values) -> dict[str, Expr]:
-    """Return the derivatives of the residual in the node's own position, through the values that move with it.
-
-    The third derivatives of fields are left out: they would need many planes, and Newton's method converges without
-    them, a little slower.
-    """
-    return {
-        f"{component}_{along}": values.differentiate(part, direction)
-        for direction, along in enumerate("xy")
-        for component, part in zip("xy", system, strict=True)
-    }
+def _by_row(slopes: Mapping[Symbol, tuple[Expr, Expr]]) -> dict[str, Expr]:
+    """Return the slopes of the residuals by name, such as x_y_xi of that of x in y_xi."""
+    return {f"{'xy'[row]}_{variable}": pair[row] for variable, pair in slopes.items() for row in (0, 1)}

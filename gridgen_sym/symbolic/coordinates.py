@@ -99,9 +99,9 @@ def expand_metric(expression: Expr) -> Expr:
 
 def differentiate(expression: Expr, variable: Symbol) -> Expr:
     """Differentiate in a symbol that stands for nothing else, through those of `DEFINITIONS`."""
-    result = sympy.diff(expression, variable)
+    result, named = sympy.diff(expression, variable), expression.free_symbols
     for m in DEFINITIONS:
-        if m in expression.free_symbols:
+        if m in named:
             slope = definition_slope(m, variable)
             if slope != 0:
                 result += sympy.diff(expression, m) * slope
