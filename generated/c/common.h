@@ -10,6 +10,8 @@
 #include <stdint.h>
 #ifdef _OPENMP
 #include <omp.h>
+#elif defined(__GNUC__)
+#pragma GCC diagnostic ignored "-Wunknown-pragmas" /* loops are vectorized with -fopenmp-simd, too */
 #endif
 #ifdef __clang__
 #pragma clang diagnostic ignored "-Wpass-failed" /* a loop that is not vectorized is slower, and not wrong */
@@ -43,6 +45,8 @@
 /* Cells of a row are worked on in groups that stay in the nearest cache. */
 enum { CHUNK = 64 };
 
+#ifndef GRIDGEN_SYM_BLOCK
+#define GRIDGEN_SYM_BLOCK
 /* A block of nodes and the rows of it to work on; arrays have `plane` doubles per component. */
 typedef struct {
   int64_t ni, nj;             /* nodes along xi (rows) and eta (columns) */
@@ -51,7 +55,9 @@ typedef struct {
   int64_t interior_only;      /* leave out the corners at nodes of the block's edge */
   int64_t threads;
   double h_xi, h_eta;         /* steps of the logical coordinates from a node to the next */
-} Block;
+} GridgenBlock;
+#endif
+typedef GridgenBlock Block;
 
 /* How the steps enter a sum over corners, as `scales_of` has it: what edge vectors along xi and eta are multiplied by, and
  * so their squares, and products of both; what the sum is multiplied by; what all derivatives in the nodes are multiplied by; and

@@ -11,7 +11,8 @@ import click
 from ..version import __version__
 from .adaptation import adapt
 from .base import Program, functionals_option
-from .formulas import check, derive, docs, functionals, generate, verify
+from .formulas import check, derive, docs, functionals, verify
+from .generate import generate
 from .grids import domains, grid, quality
 from .system import info, paper
 

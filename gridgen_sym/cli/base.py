@@ -77,12 +77,17 @@ def functionals_option(command: _Command) -> _Command:
 
 
 def _load_files(ctx: click.Context, _: click.Parameter, files: tuple[str, ...]) -> None:
-    loaded: set[Path] = ctx.meta.setdefault(_LOADED, set())
+    loaded: dict[Path, str] = ctx.meta.setdefault(_LOADED, {})
     for file in files:
         path = Path(file).resolve()
         if path not in loaded:
-            loaded.add(path)
+            loaded[path] = file
             run_functionals_file(file)
+
+
+def loaded_files(ctx: click.Context) -> tuple[str, ...]:
+    """Return the files of `--functionals` as the user named them, in the order in which they were run."""
+    return tuple(ctx.meta.get(_LOADED, {}).values())
 
 
 def run_functionals_file(file: str) -> None:

@@ -1,8 +1,7 @@
-"""Commands about formulas: `functionals`, `derive`, `docs`, `check`, `verify`, `generate`."""
+"""Commands about formulas: `functionals`, `derive`, `docs`, `check`, `verify`."""
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -137,23 +136,3 @@ def _answer(verdict: Verdict) -> str:
 
 def _color(verdict: Verdict) -> str:
     return "red" if verdict.is_discovery else "yellow" if verdict.erratum else "green"
-
-
-@click.command()
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; print a diff, and exit 1 if there is one.")
-def generate(only_check: bool) -> None:
-    """Write the folder `generated/`: kernels in C and NumPy, and the derived equations."""
-    from ..codegen.generate import check_generated, write_generated
-
-    if only_check:
-        difference = check_generated()
-        click.echo(difference, nl=False)
-        if difference:
-            click.secho("generated/ is not what is derived now: run  gridgen-sym generate", fg="red", err=True)
-            raise click.exceptions.Exit(1)
-        click.echo("generated/ is what is derived now")
-        return
-    changed = write_generated()
-    for path in changed:
-        click.echo(os.path.relpath(path) if path.is_relative_to(os.getcwd()) else str(path))
-    click.echo(f"{len(changed)} files changed")

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..atomic import write_bytes
 from ..functionals import functional as find_functional
 from ..functionals import functionals, is_builtin
 from ..functionals.definition import Functional
@@ -14,6 +12,7 @@ from ..functionals.variant import Variant, kernel_name
 from ..resources import resource_folder
 from .backend import BUILTIN, find_backend
 from .derivations import kernel_files, report_text, summary
+from .files import difference, write_sources
 from .render import render_document, render_shared
 from .source import Source
 
@@ -57,14 +56,9 @@ def all_sources() -> Iterator[Source]:
 def write_generated(folder: Path | None = None) -> list[Path]:
     """Write all files, remove those that nothing generates any more, and return the paths that changed."""
     folder = folder or resource_folder("generated")
-    wanted = {folder / source.path: source.text for source in all_sources()}
-    changed = []
-    for path, text in wanted.items():
-        if not path.exists() or path.read_bytes() != text.encode():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_bytes(path, text.encode())
-            changed.append(path)
-    for path in _stale(folder, set(wanted)):
+    wanted = list(all_sources())
+    changed = write_sources(folder, wanted)
+    for path in _stale(folder, {folder / source.path for source in wanted}):
         path.unlink()
         changed.append(path)
     return changed
@@ -73,19 +67,13 @@ def write_generated(folder: Path | None = None) -> list[Path]:
 def check_generated(folder: Path | None = None) -> str:
     """Return a unified diff from what is in `generated/` to what would be written; empty where they agree."""
     folder = folder or resource_folder("generated")
-    wanted = {folder / source.path: source.text for source in all_sources()}
+    wanted = {source.path: source.text for source in all_sources()}
+    stale = [path.relative_to(folder).as_posix() for path in _stale(folder, {folder / path for path in wanted})]
     parts: list[str] = []
-    for path in sorted({*wanted, *_stale(folder, set(wanted))}):
-        old = path.read_bytes().decode(errors="replace") if path.exists() else ""
-        name = path.relative_to(folder).as_posix()
-        if path.exists() and path not in wanted:
-            parts.append(f"generated/{name} is stale: nothing generates it any more\n")
-        parts += difflib.unified_diff(
-            old.splitlines(keepends=True),
-            wanted.get(path, "").splitlines(keepends=True),
-            f"generated/{name} (committed)",
-            f"generated/{name} (derived now)",
-        )
+    for path in sorted([*wanted, *stale]):
+        if path in stale:
+            parts.append(f"generated/{path} is stale: nothing generates it any more\n")
+        parts += difference(folder, "generated", path, wanted.get(path, ""), known="committed")
     return "".join(parts)
 
 

@@ -11,6 +11,7 @@ from ..functionals.definition import Functional
 from ..functionals.metric import DERIVATIVE_NAMES, METRIC_NAMES
 from ..resources import resource_folder
 from ..version import __version__
+from .facts import KernelFacts
 from .source import Source
 
 if TYPE_CHECKING:
@@ -26,6 +27,15 @@ def render_kernel(template: str, kernel: Kernel, printer: Printer) -> str:
 def render_shared(path: str) -> Source:
     """Return a file that all kernels of a language share, such as `c/common.h`, from the template of that name."""
     return Source(path, environment().get_template(f"{path}.jinja").render(version=__version__))
+
+
+def render_interface(language: str, facts: KernelFacts) -> str:
+    """Return what tells a program of a user how to call a kernel, of which only the facts are needed.
+
+    In C it is a header; in Python it follows the kernel in its module.
+    """
+    (name,) = (name for name in environment().list_templates() if name.startswith(f"{language}/interface."))
+    return environment().get_template(name).render(facts=facts, version=__version__)
 
 
 def render_page(template: str, **variables: object) -> str:

@@ -27,6 +27,8 @@ from gridgen_sym.resources import resource_folder
 
 #: Templates that are filled once for each kernel, with the printers, and once for all.
 KERNEL_TEMPLATES = {"c/kernel.c.jinja": CPrinter, "numpy/kernel.py.jinja": NumpyPrinter}
+#: Templates of what programs of users include or import, filled once for each kernel, without the printers.
+INTERFACES = ("c/interface.h.jinja", "numpy/interface.py.jinja")
 SHARED_TEMPLATES = tuple(f"{path}.jinja" for path in SHARED)
 COMPILER = next((path for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), None)
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)] or [COMPILER]
@@ -167,12 +169,17 @@ def test_shared_templates_know_of_no_kernel():
         assert names_from_outside(entry) == {"version"}
 
 
+def test_interfaces_are_made_of_facts_alone():
+    for entry in INTERFACES:
+        assert names_from_outside(entry) <= {"facts", "version"}
+
+
 def test_every_template_is_used():
     reached = set()
     folders = (TEMPLATES.parent / "gridgen_sym", TEMPLATES.parent / "docs" / "_ext")
     code = [path.read_text(encoding="utf-8") for folder in folders for path in folder.rglob("*.py")]
     pages = {f"docs/{name}" for text in code for name in re.findall(r'"(\w+\.(?:md|html)\.jinja)"', text)}
-    waiting = [*KERNEL_TEMPLATES, *SHARED_TEMPLATES, *pages]
+    waiting = [*KERNEL_TEMPLATES, *INTERFACES, *SHARED_TEMPLATES, *pages]
     while waiting:
         name = waiting.pop()
         reached.add(name)
