@@ -19,6 +19,7 @@ from gridgen_sym.codegen.facts import KernelFacts
 from gridgen_sym.codegen.interface import FUNCTIONS
 from gridgen_sym.codegen.render import render_interface
 from gridgen_sym.codegen.source import Source
+from gridgen_sym.functionals import registry
 from gridgen_sym.resources import resource_folder
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,7 +41,7 @@ def project(tmp_path, monkeypatch):
 
 def run(command, code=0):
     """Run a command and return what it printed, once its exit code is as expected."""
-    gg.functionals.__globals__["_registry"].pop("odd", None)  # A process knows it once.
+    registry._registry.pop("odd", None)  # A process knows it once.
     told = CliRunner().invoke(main, command.removeprefix("gridgen-sym ").split())
     assert told.exit_code == code, (told.output, told.exception)
     return told.output
