@@ -1,54 +1,16 @@
-"""The page of one functional: Markdown, its picture and its kernels, all derived when it is written."""
+"""The page of one functional: Markdown, its picture and its kernels, made when it is written."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..atomic import write_bytes
-from ..backends.c.printer import CPrinter
-from ..backends.numpy.printer import NumpyPrinter
-from ..codegen.backend import find_backend
-from ..codegen.kernel import Kernel
-from ..codegen.printer import Printer
-from ..codegen.programs import kernel
+from ..codegen.backend import BUILTIN, find_backend
+from ..codegen.derivations import kernel_files
 from ..codegen.render import render_page
 from ..functionals import Functional
-from ..symbolic import Classification, classify
-from ..symbolic.report.latex import latex, latex_formulas
-from ..symbolic.report.sections import Section, sections
-from .advice import consequences
+from .derived_page import derived_page
 from .pictures import draw, trials
-
-#: A formula of more letters of LaTeX than this goes behind a fold.
-_LONGEST = 450
-_MEANING: Mapping[str, str] = {
-    "corner_energy": "energy of a corner",
-    "corner_slopes": "and its slopes in the metric",
-    "corner_hessian": "and its Hessian",
-    "corner_hessian_vector": "its Hessian times a vector",
-    "corner_semidefinite": "a positive semidefinite Hessian",
-    "corner_semidefinite_vector": "and that Hessian times a vector",
-    "residual": "Euler–Lagrange residual at a node",
-    "residual_slopes": "and its derivatives, for Newton's method",
-    "residual_coefficients": "and its coefficients, for relaxation",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """A part of a page.
-
-    Attributes:
-        heading: its heading in Markdown, or nothing where it belongs to the one before.
-        fold: what the fold says that hides it, or nothing where it is shown.
-        blocks: (`text` or `formula`, content) in their order.
-    """
-
-    heading: str
-    fold: str
-    blocks: tuple[tuple[str, str], ...]
 
 
 def write_functional_page(functional: Functional, folder: Path) -> Path:
@@ -57,24 +19,18 @@ def write_functional_page(functional: Functional, folder: Path) -> Path:
     Raises:
         MissingExtraError: if Matplotlib is not installed.
     """
-    found, derived = classify(functional), kernel(functional, "plain")
     tried = trials(functional)
     pictures = draw(functional, tried, folder)
+    for backend in map(find_backend, BUILTIN):
+        _, source = kernel_files(functional, "plain", backend)
+        write_if_changed(folder / f"{functional.name}{backend.suffix}", source.read_text(encoding="utf-8"))
     text = render_page(
         "functional_page.md.jinja",
         functional=functional,
-        density=f"F = {latex(functional.expression())}",
-        facts=tuple(_facts(found)),
         pictures=pictures,
         cells=tried[0].start.shape[0] - 1,
-        consequences=tuple(consequences(found)),
-        parts=tuple(_parts(functional)),
-        programs=[
-            {"name": name, "meaning": _MEANING.get(name, name.replace("_", " ")), "operations": program.operations}
-            for name, program in derived.programs.items()
-        ],
-        sources=tuple(_sources(derived, folder)),
         trials=tried,
+        **derived_page(functional),
     )
     return write_if_changed(folder / f"{functional.name}.md", text)
 
@@ -84,72 +40,3 @@ def write_if_changed(path: Path, text: str) -> Path:
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         write_bytes(path, text.encode())
     return path
-
-
-def _facts(found: Classification) -> Iterator[tuple[str, str]]:
-    """Yield the main facts."""
-    linear, coupled, kind = found.words()
-    yield "Equations", f"{linear}, {coupled}, {kind} where $J > 0$ ({found.ellipticity.how_known})"
-    yield "Barrier at $J = 0$", "yes" if found.barrier else "no"
-    invariant = {"translation": found.translation, "rotation": found.rotation, "exchange of ξ and η": found.exchange}
-    kept = [name for name, holds in invariant.items() if holds]
-    yield "Invariant under", ", ".join(kept) or "none of translation, rotation, exchange of ξ and η"
-    degree = found.scaling_degree
-    yield "Scaling", "not homogeneous" if degree is None else f"of degree ${latex(degree)}$"
-    bound = found.lower_bound
-    yield "Lower bound", "none known" if bound.value is None else f"${latex(bound.value)}$ ({bound.proof})"
-    how = "refuted at a point" if found.polyconvex.proof == "refuted" else found.polyconvex.proof
-    yield "Polyconvex", f"{'yes, where $J > 0$' if found.polyconvex.holds else 'no'} ({how})"
-    if found.kinks:
-        zeros = ", ".join(f"${latex(kink)} = 0$" for kink in found.kinks)
-        yield "First derivatives jump", f"where {zeros}"
-    if found.functional.parameters:
-        values = ", ".join(f"`{name}` = {value:g}" for name, value in found.functional.parameters.items())
-        rules = ", ".join(f"`{rule}`" for rule in found.functional.constraints)
-        yield "Parameters", values + (f", with {rules}" if rules else "")
-
-
-def _parts(functional: Functional) -> Iterator[Part]:
-    """Yield the sections of the report, those for reference and those with long formulas behind a fold."""
-    title = ""
-    for section in sections(functional):
-        if section.title == "Density":
-            continue
-        blocks = tuple(_blocks(section))
-        if section.detail:
-            yield Part("", section.heading, blocks)
-            continue
-        if section.subtitle and section.title != title:
-            yield Part(f"## {section.title}", "", ())
-        title = section.title
-        heading = f"### {section.subtitle[0].upper()}{section.subtitle[1:]}" if section.subtitle else f"## {title}"
-        short = tuple(block for block in blocks if len(block[1]) <= _LONGEST)
-        yield Part(heading, "", short)
-        if short != blocks:
-            yield Part("", "The long formulas of this section", tuple(block for block in blocks if block not in short))
-
-
-def _blocks(section: Section) -> Iterator[tuple[str, str]]:
-    for item in section.items:
-        if isinstance(item, str):
-            yield "text", item
-        else:
-            yield from (("formula", formula) for formula in latex_formulas(item))
-
-
-def _sources(derived: Kernel, folder: Path) -> Iterator[tuple[str, str, str, str]]:
-    """Write the kernels' files beside the page; yield language, its name for a fence, the arithmetic, the file."""
-    printers: tuple[tuple[str, str, str, Printer, str], ...] = (
-        ("C", "c", "c", CPrinter(), "const double {} = {};"),
-        ("NumPy", "python", "numpy", NumpyPrinter(), "{} = {}"),
-    )
-    for language, fence, key, printer, line in printers:
-        backend = find_backend(key)
-        file = f"{derived.facts.name}{backend.suffix}"
-        write_if_changed(folder / file, backend.render(derived))
-        remark = "/* {} */" if key == "c" else "# {}"
-        programs = [
-            "\n".join([remark.format(name), *(line.format(*pair) for pair in printer.program(program))])
-            for name, program in derived.programs.items()
-        ]
-        yield language, fence, "\n\n".join(programs), file

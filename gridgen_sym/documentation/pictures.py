@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..boundary import domain, domain_names
+from ..codegen.derivations import summary
 from ..functionals import Functional
 from ..grids import Grid, quality
 from ..plotting import plot_grids
 from ..solvers import Result, optimize
-from ..symbolic import has_barrier
 
 #: Domains with the most instructive pictures, best first; any others follow.
 _TELLING = ("swan", "horseshoe", "wavy", "chevron", "quarter_annulus", "indented_square", "zee", "annulus", "naca")
@@ -79,6 +79,6 @@ def _panels(functional: Functional, tried: Sequence[Trial]) -> Iterator[tuple[st
     folded = next((trial for trial in tried if trial.folds), None)
     if folded is not None:
         cells = folded.result.quality.cells
-        told = "the start could not be untangled; folded are" if has_barrier(functional) else "it folds"
+        told = "the start could not be untangled; folded are" if summary(functional).barrier else "it folds"
         text = f"On `{folded.domain}` {told} {folded.folds} of {cells} cells (red)."
         yield f"{folded.domain}: {name}", text, folded.result.grid

@@ -18,7 +18,7 @@ from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen.programs import kernel
 from gridgen_sym.codegen.render import render_document
 from gridgen_sym.documentation.advice import consequences
-from gridgen_sym.documentation.functional_page import _parts
+from gridgen_sym.documentation.derived_page import _parts
 from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.resources import resource_folder

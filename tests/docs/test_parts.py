@@ -11,11 +11,12 @@ from derived_pages.paper_pages import Shown, _section, _shown, _title, _without_
 from derived_pages.reference_pages import command_helps, public_names
 
 import gridgen_sym as gg
-from gridgen_sym.documentation import functional_page, pictures
+from gridgen_sym.documentation import derived_page, functional_page, pictures
 from gridgen_sym.documentation.advice import consequences
-from gridgen_sym.documentation.functional_page import _facts, _parts
+from gridgen_sym.documentation.derived_page import _facts, _parts
 from gridgen_sym.documentation.pictures import _panels, trials
 from gridgen_sym.functionals import functional
+from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.symbolic.classify.ellipticity import Ellipticity
 from gridgen_sym.symbolic.coordinates import s
 
@@ -128,7 +129,7 @@ def test_long_formulas_and_details_go_behind_folds(monkeypatch):
         section("Two", "second part", ["y"]),
         section("Three", "", ["hidden"], detail=True),
     ]
-    monkeypatch.setattr(functional_page, "sections", lambda _: made)
+    monkeypatch.setattr(derived_page, "sections", lambda _: made)
     told = [(part.heading, part.fold, [text for _, text in part.blocks]) for part in _parts(functional("length"))]
     assert told == [
         ("## One", "", ["text", longest]),
@@ -275,6 +276,18 @@ def test_what_is_called_stands_before_what_comes_back():
 def test_help_fits_on_a_page():
     for _, text in command_helps():
         assert max(map(len, text.splitlines())) <= 86
+
+
+def test_what_a_page_shows_is_derived_once(monkeypatch):
+    mine = Functional("mine", "(g11 + 2*g22)/J", description="Odd.")
+    first = derived_page.derived_page(mine)
+    assert any("treats the two families" in sentence for sentence in first["consequences"])
+    monkeypatch.setattr(derived_page, "_derive", None)
+    assert derived_page.derived_page(mine) == first
+    # What is written in another way is derived again.
+    monkeypatch.setattr(derived_page, "key_of_files", lambda _: "others")
+    with pytest.raises(TypeError):
+        derived_page.derived_page(mine)
 
 
 def test_a_page_is_written_with_its_kernels_beside_it(monkeypatch, tmp_path):
