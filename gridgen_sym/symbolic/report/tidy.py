@@ -10,7 +10,7 @@ from sympy import Expr, Symbol
 
 from ...functionals.metric import symbol
 from ..coordinates import SECOND_DERIVATIVES, expand_metric, g11, g22
-from ..definiteness import is_high
+from ..definiteness import almost_everywhere, is_high
 from ..derive.reduction import in_metric
 
 #: More operations than this, and an expression is left as it was derived: factoring it would take too long.
@@ -22,8 +22,11 @@ _TRACE = symbol("trace")
 
 @lru_cache(maxsize=1024)
 def tidy(expression: Expr) -> Expr:
-    """Return the shortest of several ways to write an expression: as derived, factored, or factored in the metric."""
-    expression = sympy.sympify(expression)
+    """Return the shortest of several ways to write an expression: as derived, factored, or factored in the metric.
+
+    Impulses at kinks and jumps are left out: the report says where those are.
+    """
+    expression = almost_everywhere(sympy.sympify(expression))
     names = expression.free_symbols
     size = sympy.count_ops(expression)
     if not expression.is_rational_function(*names) or size > _LARGEST:
