@@ -24,13 +24,13 @@ _COUNTS: dict[str, tuple[int, int]] = {"atan2": (2, 2), "max": (2, 100), "min": 
 FUNCTION_NAMES = (*FUNCTIONS_OF_ONE, *_COUNTS)
 #: What these take, and a call of each.
 _ARGUMENTS = {
-    "atan2": ("two arguments", "atan2(J, g12)"),
-    "max": ("two arguments or more", "max(0, 1 - J)"),
-    "min": ("two arguments or more", "min(g11, g22)"),
-    "where": ("a comparison and two values", "where(J > 1, J, 1)"),
+    "atan2": ("two arguments", "atan2(y, x)"),
+    "max": ("two arguments or more", "max(a, b)"),
+    "min": ("two arguments or more", "min(a, b)"),
+    "where": ("a comparison and two values", "where(a < b, p, q)"),
 }
 CONDITION_HINT = (
-    "it must be one comparison of two values by <, <=, > or >=, as in where(J > 1, J, 1). Instead of a chain or of "
+    "it must be one comparison of two values by <, <=, > or >=, as in where(a < b, p, q). Instead of a chain or of "
     "'and', nest: where(a < b, where(b < c, p, q), q); instead of ==, give a tolerance: where(abs(a - b) < 1e-9, p, q)"
 )
 #: Bounds on what a text may hold: beyond them SymPy computes forever, or kernels overflow.
@@ -221,7 +221,7 @@ class _Reader:
             case ast.Compare():
                 raise GridgenError(
                     f"the formula {quoted(self.text)} contains the comparison {quoted(self._source(node))}: a "
-                    "comparison is no value; write where(condition, a, b), as in where(J > 1, J, 1)"
+                    "comparison is no value; write where(condition, p, q), as in where(a < b, p, q)"
                 )
         raise GridgenError(
             f"the formula {quoted(self.text)} contains {quoted(self._source(node))}, which is not arithmetic: "

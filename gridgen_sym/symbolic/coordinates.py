@@ -92,9 +92,16 @@ METRIC_ALONG: Mapping[Symbol, Symbol] = {m: symbol(f"along_{m}") for m in DEFINI
 
 def expand_metric(expression: Expr) -> Expr:
     """Return the expression with the symbols of `DEFINITIONS` written out in the derivatives of the map."""
-    for definitions in (TARGET, TARGET, REGULARIZATION, REGULARIZATION, METRIC):
-        expression = expression.subs(definitions)
-    return expression
+    return expression.xreplace(_written_out())
+
+
+@lru_cache(maxsize=1)
+def _written_out() -> dict[Symbol, Expr]:
+    """Return what the symbols of `DEFINITIONS` stand for in the derivatives of the map."""
+    result: dict[Symbol, Expr] = {}
+    for name, meaning in DEFINITIONS.items():
+        result[name] = meaning.xreplace(result)
+    return result
 
 
 def differentiate(expression: Expr, variable: Symbol) -> Expr:

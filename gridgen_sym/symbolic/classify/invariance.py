@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import sympy
 from sympy import Expr, Symbol
 
 from ...functionals.choices import branches, choice
-from ..coordinates import FIRST_DERIVATIVES, METRIC, REGULARIZATION, differentiate, g11, g22, x_eta, x_xi, y_eta, y_xi
+from ..coordinates import (
+    DEFINITIONS,
+    FIRST_DERIVATIVES,
+    METRIC,
+    REGULARIZATION,
+    differentiate,
+    g11,
+    g22,
+    x_eta,
+    x_xi,
+    y_eta,
+    y_xi,
+)
 
 # Rational jets with J > 0 at which a claim is tried before any algebra.
 _JETS = ((2, 1, -1, 3), (1, -2, 3, 1), (3, 2, -2, 5))
@@ -52,15 +65,30 @@ def _is_stationary(density: Expr, direction: Sequence[Expr]) -> bool:
 
 def _degree(density: Expr, variables: Sequence[Symbol]) -> Expr | None:
     """Return the degree of homogeneity in some of the first derivatives, by Euler's relation."""
-    slope = sum((p * differentiate(density, p) for p in variables), sympy.S.Zero)
+    slope = _radial_slope(density, tuple(variables))
     at_a_jet = _jets(density)[0]
     value = _expand(density).subs(at_a_jet)
     if value == 0:
         return None
-    degree = sympy.simplify(_expand(slope).subs(at_a_jet) / value)
-    if not degree.is_Rational:
+    ratio = sympy.N(_expand(slope).subs(at_a_jet) / value, 30)
+    if not (ratio.is_real and ratio.is_finite):
         return None
+    degree = sympy.nsimplify(ratio, rational=True, tolerance=1e-20)
     return degree if _vanishes(slope - degree * density) else None
+
+
+def _radial_slope(density: Expr, variables: tuple[Symbol, ...]) -> Expr:
+    """Return the sum of p dF/dp over some of the first derivatives: in the metric symbols if they suffice."""
+    if density.free_symbols & (DEFINITIONS.keys() - METRIC.keys()):
+        return sum((p * differentiate(density, p) for p in variables), sympy.S.Zero)
+    degrees = {p: 1 for p in variables} | _metric_degrees(variables)
+    return sum((degree * m * sympy.diff(density, m) for m, degree in degrees.items()), sympy.S.Zero)
+
+
+@lru_cache(maxsize=8)
+def _metric_degrees(variables: tuple[Symbol, ...]) -> dict[Symbol, int]:
+    """Return the degree of every metric symbol in some of the first derivatives."""
+    return {m: sympy.Poly(meaning, *variables).total_degree() for m, meaning in METRIC.items()}
 
 
 def _vanishes(expression: Expr) -> bool:
@@ -70,8 +98,15 @@ def _vanishes(expression: Expr) -> bool:
     expanded = _expand(expression)
     if any(abs(sympy.N(expanded.subs(jet), 30)) > 1e-20 for jet in _jets(expression)):
         return False
-    # Where comparisons decide, each way to decide them is looked at.
-    cases = branches(expanded) or [expanded]
+    # In the metric alone the algebra is short; what vanishes there does everywhere.
+    if expression.free_symbols.isdisjoint(FIRST_DERIVATIVES) and _is_zero(expression):
+        return True
+    return _is_zero(expanded)
+
+
+def _is_zero(expression: Expr) -> bool:
+    """Return whether algebra shows that an expression is zero, for every way to decide its comparisons."""
+    cases = branches(expression) or [expression]
     return all(sympy.expand(case) == 0 or sympy.simplify(case) == 0 for case in cases)
 
 
