@@ -21,6 +21,8 @@ from gridgen_sym.documentation.advice import consequences
 from gridgen_sym.documentation.derived_page import _parts
 from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
+from gridgen_sym.functionals.expression import FUNCTION_NAMES
+from gridgen_sym.functionals.metric import DENSITY_NAMES
 from gridgen_sym.resources import resource_folder
 from gridgen_sym.symbolic import classify, derive_text, euler_lagrange
 from gridgen_sym.symbolic.paper.errata import ERRATA
@@ -159,3 +161,16 @@ def test_the_reference_has_every_public_name_and_command():
     helps = dict(command_helps())
     assert "--functional" in helps["gridgen-sym grid"]
     assert "gridgen-sym docs" in helps
+
+
+def test_the_page_of_the_language_lists_all_functions_and_names():
+    page = (ROOT / "docs" / "reference" / "language.md").read_text(encoding="utf-8")
+    assert not [name for name in FUNCTION_NAMES if f"`{name}(" not in page]
+    assert not [name for name in DENSITY_NAMES if f"`{name}`" not in page]
+    refused = re.findall(r"^\| `(.*?)` \|.*\|.*\|$", page.partition("| refused |")[2], flags=re.MULTILINE)
+    assert len(refused) == 3
+    for density in refused:
+        with pytest.raises(gridgen_sym.GridgenError):
+            gridgen_sym.define("refused", density)
+    for density in re.findall(r"`(where\(J > 1, .*?\))`", page):
+        gridgen_sym.define("written", density, replace=True)
