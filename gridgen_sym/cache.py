@@ -8,17 +8,26 @@ Cached libraries run as the user: so the folder must be the user's own, and nobo
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
+import re
 import shlex
 import stat
 import tempfile
+import time
 from functools import lru_cache
 from pathlib import Path
 
 from .atomic import write_bytes
 from .errors import GridgenError
 from .messages import report_once
+
+_DAY = 86400.0
+#: Kept files are removed when nothing has used them for so many days.
+_UNUSED_DAYS = 90
+#: How the name of a kept file ends: a key, the digest of its content, its suffix.
+_KEPT = re.compile(r"-[0-9a-f]{24}-[0-9a-f]{16}(\.\w+)?$")
 
 
 @lru_cache(maxsize=1)
@@ -97,6 +106,7 @@ def find_kept(stem: str, suffix: str) -> Path | None:
     for path in sorted(cache_folder().glob(f"{stem}-*{suffix}")):
         try:
             if not _distrust(path.stat()) and path.name == _name(stem, path.read_bytes(), suffix):
+                _mark_used(path)
                 return path
         except OSError:  # It cannot be read: ignored.
             continue
@@ -114,11 +124,26 @@ def keep(stem: str, suffix: str, content: bytes) -> Path:
     try:
         _make_private(path.parent)
         write_bytes(path, content, mode=0o600)
+        _remove_unused(path.parent)
     except (GridgenError, OSError) as error:
         report_once(f"{error}: what is made now is lost with this process")
         path = Path(_process_folder().name) / name
         write_bytes(path, content)
     return path
+
+
+def _mark_used(path: Path) -> None:
+    if time.time() - path.stat().st_mtime > _DAY:
+        with contextlib.suppress(OSError):  # The folder may be read-only.
+            os.utime(path)
+
+
+def _remove_unused(folder: Path) -> None:
+    """Remove what nothing has used for long: an edited formula or a new release leaves behind what it replaces."""
+    for path in folder.iterdir():
+        with contextlib.suppress(OSError):  # Another process may have removed it.
+            if _KEPT.search(path.name) and time.time() - path.stat().st_mtime > _UNUSED_DAYS * _DAY:
+                path.unlink()
 
 
 def digest(*parts: str) -> str:

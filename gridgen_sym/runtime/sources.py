@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..codegen.backend import Backend
 from ..codegen.derivations import kernel_files
-from ..functionals import is_builtin
+from ..codegen.kept_texts import is_the_builtin
 from ..functionals.definition import Functional
 from ..functionals.variant import Variant, kernel_name
 from ..resources import resource_folder
@@ -20,6 +20,6 @@ def find_sources(functional: Functional, variant: Variant, backend: Backend) -> 
     name = kernel_name(functional.name, variant)
     committed = resource_folder("generated")
     paths = committed / "facts" / f"{name}.json", committed / backend.name / f"{name}{backend.suffix}"
-    if is_builtin(functional.name) and all(path.exists() for path in paths):
+    if is_the_builtin(functional) and all(path.exists() for path in paths):
         return paths
     return kernel_files(functional, variant, backend)

@@ -107,6 +107,7 @@ def test_files_count_and_what_is_newer_than_the_process_is_not_trusted(tmp_path,
     assert key_of_files([file]) != keys[2]
 
 
+@pytest.mark.slow
 def test_every_module_that_derives_is_part_of_the_key():
     """A module that is loaded on the way and forgotten in the key would let an old derivation pass for a new one."""
     script = """
@@ -163,17 +164,26 @@ def test_reports_kernels_and_lists_are_derived_once(monkeypatch, capsys):
     assert everything() == first
 
 
-def test_the_report_of_a_wheel_is_the_committed_one(monkeypatch, tmp_path):
+def test_the_report_of_a_wheel_is_the_committed_one(monkeypatch):
     """There nothing changes after it was built; in a checkout the committed text may be older than the formulas."""
     committed = (resource_folder("generated") / "docs" / "length.md").read_text(encoding="utf-8")
-    length = functional("length")
+    monkeypatch.setattr(derivations, "_text", lambda *_: "derived now")
     monkeypatch.setattr(derivations, "is_checkout", lambda: False)
-    assert committed.endswith(f"```text\n{derivations.report_text(length)}```\n")
-    assert not list(tmp_path.rglob("length-*"))
-    assert "g11**4" in derivations.report_text(Functional("length", "g11**4 + J**2"))
+    assert committed.endswith(f"```text\n{derivations.report_text(functional('length'))}```\n")
+    assert derivations.report_text(Functional("length", "g11**4 + J**2")) == "derived now"
     monkeypatch.setattr(derivations, "is_checkout", lambda: True)
-    derivations.report_text(length)
-    assert list(tmp_path.rglob("length-*.txt"))
+    assert derivations.report_text(functional("length")) == "derived now"
+
+
+def test_what_is_not_used_for_long_is_removed(cache):
+    used, unused = Functional("used", "g11 + 2*g22"), Functional("unused", "g11 + 3*g22")
+    text_of(used), text_of(unused)
+    (cache / "sources" / "notes-of-somebody.txt").write_text("mine")
+    for file in (cache / "sources").iterdir():
+        os.utime(file, (0, 0))
+    assert text_of(used)[1] == 0  # Reading it counts as a use.
+    text_of(Functional("new", "g11 + 4*g22"))
+    assert {file.name.partition("-")[0] for file in (cache / "sources").iterdir()} == {"used", "new", "notes"}
 
 
 # ---- the command line ----

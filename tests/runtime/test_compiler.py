@@ -22,7 +22,7 @@ from gridgen_sym.backends.c.loader import PARTS, headers, part_of
 from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen.interface import FUNCTIONS
 from gridgen_sym.errors import GridgenError
-from gridgen_sym.functionals import define, functional
+from gridgen_sym.functionals import Functional, define, functional
 from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels, process, toolchain
 from gridgen_sym.runtime.compiler import compile_library
 from gridgen_sym.runtime.sources import find_sources
@@ -646,6 +646,12 @@ def test_a_functional_of_a_user_is_derived_once_and_kept(cache, capsys):
 def test_only_the_language_in_use_is_printed_and_kept(cache):
     find_sources(define("mine", "g11 + 2*g22"), "plain", find_backend("numpy"))
     assert {path.suffix for path in (cache / "sources").iterdir()} == {".json", ".py"}
+
+
+def test_another_functional_of_a_built_in_name_has_kernels_of_its_own(cache):
+    facts, _ = find_sources(Functional("length", "g11 + 2*g22"), "plain", find_backend("numpy"))
+    assert facts.is_relative_to(cache)
+    assert "2*g22" in facts.read_text()
 
 
 @pytest.mark.parametrize("name", ["c", "numpy"])
