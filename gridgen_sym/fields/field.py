@@ -1,21 +1,17 @@
-"""Declared fields of a density: what a user gives for one, and its components on a grid."""
+"""Declared fields of a density: what a user gives for one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array, real_array
 from ..errors import GridgenError, quoted
-from ..functionals.field_kinds import KINDS, components
 from ..grids import Grid
-from .function import difference, takes_two_arrays
 from .sampled import SampledField, grid_field, raster_field, scattered_field
-from .scalar import ScalarField, as_scalar
 
 Domain = Literal["physical", "logical"]
 Mode = Literal["frozen", "differentiated"]
@@ -88,139 +84,3 @@ class Field:
                 f"came the shape {array.shape}"
             )
         return cls(tuple(interpolate(one) for one in array), mode=mode)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Components:
-    """The components of one declared field.
-
-    Attributes:
-        name: of the field.
-        kind: of the field.
-        domain: of functions.
-        mode: of functions.
-        parts: the components, in order.
-    """
-
-    name: str
-    kind: str
-    domain: Domain
-    mode: Mode
-    parts: tuple[ScalarField, ...]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of the components."""
-        return components(self.name, self.kind)
-
-    @property
-    def lags(self) -> bool:
-        """Whether it is held while the nodes move, and evaluated again where they come to."""
-        moves = self.domain == "physical" and any(not part.per_node for part in self.parts)
-        return moves and self.mode == "frozen"
-
-
-def components_of(given: Any, name: str, kind: str) -> Components:  # noqa: ANN401 - whatever a user gave
-    """Return the components of a declared field.
-
-    Args:
-        given: a `Field`, or its source, which then is physical and frozen.
-        name: of the field.
-        kind: of the field.
-
-    Raises:
-        GridgenError: for what cannot be a field of this kind.
-    """
-    field = given if isinstance(given, Field) else Field(given)
-    variables = VARIABLES[field.domain]
-    described = _described(name, kind)
-    parts = tuple(
-        as_scalar(source, label, variables)
-        for source, label in zip(_sources(field, name, kind), described, strict=True)
-    )
-    if field.mode == "differentiated" and any(part.per_node for part in parts):
-        raise GridgenError(
-            f"the field {name} is an array, which has no derivatives: use mode='frozen', or give a formula, a function "
-            "or Field.on_grid(grid, values, 'differentiated')"
-        )
-    return Components(name, kind, field.domain, field.mode, parts)
-
-
-def _described(name: str, kind: str) -> list[str]:
-    """Return what messages call the components."""
-    if kind == "scalar":
-        return [f"the field {name}"]
-    return [f"the component {one} of the field {name}" for one in components(name, kind)]
-
-
-def _sources(field: Field, name: str, kind: str) -> Sequence[Any]:
-    """Return a source for each component."""
-    source, count = field.source, len(KINDS[kind])
-    if count == 1 and not isinstance(source, (tuple, list, np.ndarray)):
-        return (source,)
-    if isinstance(source, (tuple, list)) and not _is_nested(source):
-        if len(source) == count:
-            return source
-    elif callable(source) and not isinstance(source, SampledField):
-        if takes_two_arrays(source):
-            joint = _Joint(source, f"the field {name}", count)
-            return [_Part(joint, k) for k in range(count)]
-    elif isinstance(source, (np.ndarray, tuple, list)):
-        array = real_array(source, f"the field {name}")
-        if count == 1:
-            return (array[0] if array.ndim in (3, 4) and array.shape[0] == 1 else array,)
-        if array.shape[:1] == (count,):
-            return tuple(array)
-    order = ", ".join(components(name, kind))
-    came = f"an array of shape {np.shape(source)}" if isinstance(source, np.ndarray) else quoted(source)
-    raise GridgenError(
-        f"the field {name} is {kind} and needs {count} component{'s' * (count > 1)}, in the order {order}: give a "
-        f"tuple of {count} formulas, a function of two arrays that returns them along its first axis, or an array "
-        f"({count}, ...); came {came}"
-    )
-
-
-def _is_nested(source: Sequence[Any]) -> bool:
-    """Return whether a sequence is an array written as lists: its entries are sequences of numbers."""
-    return all(isinstance(entry, (tuple, list)) for entry in source)
-
-
-class _Joint:
-    """A function that returns all components at once; the last result is kept, since each component asks for it."""
-
-    __slots__ = ("_at", "_found", "count", "function", "name")
-
-    def __init__(self, function: Callable[[Array, Array], npt.ArrayLike], name: str, count: int) -> None:
-        self.function, self.name, self.count = function, name, count
-        self._at: tuple[Any, Any] = (None, None)
-        self._found: Array = np.empty(0)
-
-    def __call__(self, u: Array, v: Array) -> Array:
-        if self._at[0] is not u or self._at[1] is not v:
-            found = self.function(u, v)
-            # Components may be of different shapes: a number and arrays.
-            if isinstance(found, (tuple, list)) and len(found) == self.count:
-                found = np.stack([np.broadcast_to(one, u.shape) for one in found])
-            array = real_array(found, self.name)
-            if array.shape != (self.count, *u.shape):
-                raise GridgenError(
-                    f"the function of {self.name} must return an array of shape {(self.count, *u.shape)}, components "
-                    f"first; came {array.shape}"
-                )
-            self._at, self._found = (u, v), array
-        return self._found
-
-
-class _Part:
-    """One component of a joint function, as a function of two arrays."""
-
-    __slots__ = ("joint", "number")
-
-    def __init__(self, joint: _Joint, number: int) -> None:
-        self.joint, self.number = joint, number
-
-    def __call__(self, u: Array, v: Array) -> Array:
-        return np.asarray(self.joint(u, v)[self.number])
-
-    def derivatives(self, u: Array, v: Array, along: tuple[str, ...]) -> list[npt.ArrayLike]:
-        return [difference(self, u, v, key) for key in along]

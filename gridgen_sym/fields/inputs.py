@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import GridgenError, UnusableValueError, quoted
 from ..functionals.definition import Functional
-from ..functionals.expression import comparisons, names_in
-from ..functionals.metric import INVERSE_TARGET_NAMES, WEIGHT_NAME
+from ..functionals.field_kinds import PHYSICAL_SUFFIXES
+from ..functionals.metric import INVERSE_TARGET_NAMES, LOGICAL_NAMES, POSITION_NAMES, WEIGHT_NAME
 from ..functionals.variant import Modes, Variant
-from .field import Components, components_of
+from .allowed import FieldValues, check_constraints
+from .components import Components, components_of
 from .restriction import restricted
 from .scalar import ScalarField
-from .target import Target, common_location, location
+from .target import Target
 from .weight import Weight
-
-#: Beyond this size the products of values overflow.
-_LARGEST = 1e100
-_HOLDS: Mapping[str, Callable[..., Any]] = {
-    ">": np.greater,
-    ">=": np.greater_equal,
-    "<": np.less,
-    "<=": np.less_equal,
-    "==": np.isclose,
-}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +27,7 @@ class DensityInputs:
 
     Attributes:
         functional: that is given it.
+        parameters: values of its parameters.
         weight: the weight, or None.
         fields: the components of all declared fields.
         target: the target, or None.
@@ -45,6 +36,7 @@ class DensityInputs:
     """
 
     functional: Functional
+    parameters: Mapping[str, float]
     weight: Weight | None
     fields: tuple[Components, ...]
     target: Target | None
@@ -60,7 +52,7 @@ class DensityInputs:
     def lags(self) -> bool:
         """Whether something is held while the nodes move, and evaluated again where they come to."""
         weight = self.weight is not None and self.weight.lags
-        target = self.target is not None and self.target.domain == "physical"
+        target = self.target is not None and self.target.lags
         return weight or target or any(field.lags for field in self.fields)
 
     @property
@@ -86,71 +78,29 @@ class DensityInputs:
         if self.weight is not None:
             own = tuple(name for name in names if name == WEIGHT_NAME or name.startswith(f"{WEIGHT_NAME}_"))
             found |= zip(own, self.weight.planes(coordinates, own), strict=True)
-        found |= dict(zip("xy", coordinates, strict=True))
-        found |= dict(zip(("xi", "eta"), _logical(coordinates.shape[1:]), strict=True))
-        for field in self.fields:
-            found |= self._field(field, coordinates, names)
+        found |= zip(POSITION_NAMES, coordinates, strict=True)
+        if LOGICAL_NAMES[0] in names:
+            found |= zip(LOGICAL_NAMES, _logical(coordinates.shape), strict=True)
+        given = [self._values(field, coordinates) for field in self.fields]
+        check_constraints(self.functional, self.parameters, given)
+        for values in given:
+            found |= _named(values, names)
         if self.target is not None:
             found |= zip(INVERSE_TARGET_NAMES, self._inverse_target(self.target, coordinates, steps), strict=True)
         return [np.ascontiguousarray(found[name]) for name in names]
 
-    def _field(self, field: Components, coordinates: Array, names: tuple[str, ...]) -> Iterator[tuple[str, Array]]:
-        """Yield the planes of a field."""
-        points = tuple(coordinates) if field.domain == "physical" else _logical(coordinates.shape[1:])
-        planes = [self._plane(part, points) for part in field.parts]
-        self._check(field, planes, points)
-        for name, part, plane in zip(field.names, field.parts, planes, strict=True):
-            yield name, plane
-            along = tuple(key for key in ("x", "y", "xx", "xy", "yy") if f"{name}_{key}" in names)
-            if along:
-                derivatives = part.derivatives(points[0], points[1], along)
-                yield from zip((f"{name}_{key}" for key in along), derivatives, strict=True)
+    def _values(self, field: Components, coordinates: Array) -> FieldValues:
+        """Return the values of a field, checked."""
+        points = _points(field.domain, coordinates)
+        values = FieldValues(field, [self._plane(part, points) for part in field.parts], points)
+        values.check()
+        return values
 
-    def _plane(self, part: ScalarField, points: tuple[Array, ...]) -> Array:
+    def _plane(self, part: ScalarField, points: tuple[Array, Array]) -> Array:
         """Return a part on a grid: arrays of a finer one are interpolated to it."""
         if part.numbers is not None and points[0].shape != self.shape:
-            return restricted(part.plane(*_logical(self.shape)), self.shape, points[0].shape)
+            return restricted(part.plane(*_logical((2, *self.shape))), self.shape, points[0].shape)
         return part.plane(points[0], points[1])
-
-    def _check(self, field: Components, planes: list[Array], points: tuple[Array, ...]) -> None:
-        """Refuse values that the declaration of a field does not allow."""
-        shape = points[0].shape
-        for part, plane in zip(field.parts, planes, strict=True):
-            if not np.abs(plane).max() <= _LARGEST:
-                raise UnusableValueError(f"{part.name} is larger than {_LARGEST:g}, and its square overflows: scale it")
-        together = common_location(planes, (shape[0], shape[1]))
-        if field.kind == "symmetric":
-            first, mixed, second = together
-            bad = ~((first > 0) & (first * second - mixed**2 > 0))
-            if bad.any():
-                index = tuple(int(k) for k in np.argwhere(bad)[0])
-                values = ", ".join(f"{n} = {p[index]:.6g}" for n, p in zip(field.names, together, strict=True))
-                raise UnusableValueError(
-                    f"the field {field.name} must be positive definite; it is not at "
-                    f"{_place(field, first, points, index)}, where {values}: its eigenvalues must be positive, so add "
-                    f"a multiple of the identity or limit {field.names[1]}"
-                )
-        for constraint in self.functional.constraints:
-            if names_in(constraint) & {*field.names}:
-                self._check_constraint(constraint, field, together, points)
-
-    def _check_constraint(
-        self, constraint: str, field: Components, planes: list[Array], points: tuple[Array, ...]
-    ) -> None:
-        """Refuse values that do not meet a constraint of the functional on a field (and on parameters' defaults)."""
-        known = {**self.functional.parameters, **dict(zip(field.names, planes, strict=True))}
-        if not names_in(constraint) <= {*known}:
-            return  # It is on several fields.
-        for one in comparisons(constraint, known):
-            bad = ~np.broadcast_to(_HOLDS[one.sign](one.left, one.right), planes[0].shape)
-            if bad.any():
-                index = tuple(int(k) for k in np.argwhere(bad)[0])
-                values = ", ".join(f"{n} = {p[index]:.6g}" for n, p in zip(field.names, planes, strict=True))
-                where = _place(field, planes[0], points, index)
-                raise UnusableValueError(
-                    f"functional {self.functional.name!r} needs {constraint}; at {where} {values}: change the field "
-                    f"{field.name} there"
-                )
 
     def _inverse_target(
         self, target: Target, coordinates: Array, steps: tuple[float, float]
@@ -160,7 +110,7 @@ class DensityInputs:
         W is that of edges with steps of 1 on the grid of the shape `shape`; on a coarser one, cells and W are larger.
         """
         shape = coordinates.shape[1:]
-        points = tuple(coordinates) if target.domain == "physical" else _logical(shape)
+        points = _points(target.domain, coordinates)
         first, second, third, fourth = target.inverse(lambda part: self._plane(part, points), (shape[0], shape[1]))
         along_xi, along_eta = (
             step * (now - 1) / (home - 1) for step, now, home in zip(steps, shape, self.shape, strict=True)
@@ -189,32 +139,42 @@ class DensityInputs:
         return said
 
 
+def _points(domain: str, coordinates: Array) -> tuple[Array, Array]:
+    """Return the coordinates of the nodes that functions of a domain are given."""
+    return (coordinates[0], coordinates[1]) if domain == "physical" else _logical(coordinates.shape)
+
+
 def _logical(shape: tuple[int, ...]) -> tuple[Array, Array]:
-    """Return xi and eta at the nodes."""
-    xi, eta = np.meshgrid(np.linspace(0, 1, shape[0]), np.linspace(0, 1, shape[1]), indexing="ij")
+    """Return xi and eta at the nodes of a grid whose coordinates have the shape (2, ni, nj)."""
+    xi, eta = np.meshgrid(*(np.linspace(0, 1, count) for count in shape[1:]), indexing="ij")
     return xi, eta
 
 
-def _place(field: Components, plane: Array, points: tuple[Array, ...], index: tuple[int, ...]) -> str:
-    """Return a place in words."""
-    shape = points[0].shape
-    where = location(plane, (shape[0], shape[1]))
-    near = f", {field.parts[0].place(points[0], points[1], index)}" if where == "node" else ""
-    return f"{where} {index}{near}"
+def _named(values: FieldValues, names: tuple[str, ...]) -> Iterator[tuple[str, Array]]:
+    """Yield the components of a field, and their derivatives among the names, with their names."""
+    for name, part, plane in zip(values.field.names, values.field.parts, values.planes, strict=True):
+        yield name, plane
+        along = tuple(suffix[1:] for suffix in PHYSICAL_SUFFIXES if name + suffix in names)
+        if along:
+            derivatives = part.derivatives(*values.points, along)
+            yield from zip((f"{name}_{key}" for key in along), derivatives, strict=True)
 
 
 def density_inputs(
     functional: Functional,
     shape: tuple[int, int],
-    weight: Weight | None,
-    fields: Mapping[str, object] | None,
-    target: Target | None,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    weight: Weight | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | None = None,
 ) -> DensityInputs:
     """Return what a functional is given.
 
     Args:
         functional: that is given it.
         shape: (ni, nj) of the grid.
+        parameters: of the functional, where they are not the defaults.
         weight: the weight, or None.
         fields: for every declared field a `Field` or its source.
         target: the target, or None.
@@ -239,4 +199,4 @@ def density_inputs(
             f"fields={{{name!r}: ...}}"
         )
     made = tuple(components_of(given[name], name, kind) for name, kind in declared.items())
-    return DensityInputs(functional, weight, made, target, shape)
+    return DensityInputs(functional, functional.values(parameters), weight, made, target, shape)

@@ -55,6 +55,11 @@ class ScalarField:
         """Whether it is given at the nodes or in the cells of one grid only."""
         return self.numbers is not None
 
+    @property
+    def varies(self) -> bool:
+        """Whether its value at a node may change when the node moves."""
+        return self.evaluator is not None and not isinstance(self.evaluator, Constant)
+
     def values(self, x: Array, y: Array, where: str = "node") -> Array:
         """Return the values at points, of their shape.
 
@@ -83,10 +88,11 @@ class ScalarField:
         locations = {x.shape: "node", cells: "cell", (4, *cells): "corner"}
         where = locations.get(self.numbers.shape)
         if where is None:
+            of_place = f"{'Weight' if 'weight' in self.name else 'Field'}.on_grid(grid, values)"
+            hint = f". Samples of another grid are functions of position: {of_place}" if "x" in self.variables else ""
             raise GridgenError(
                 f"{self.name} must have one value per node, shape {x.shape}, per cell, shape {cells}, or per corner, "
-                f"shape {(4, *cells)}; came {self.numbers.shape}. Samples of another grid are functions of position: "
-                f"{'Weight' if 'weight' in self.name else 'Field'}.on_grid(grid, values)"
+                f"shape {(4, *cells)}; came {self.numbers.shape}{hint}"
             )
         if where == "node":
             return self._checked(self.numbers, x, y, where)

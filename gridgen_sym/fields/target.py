@@ -7,16 +7,18 @@ functionals are then of T = A W⁻¹ instead of A (P. Knupp's target-matrix para
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import GridgenError, UnusableValueError
-from ..grids import Grid
+from ..errors import GridgenError, UnusableValueError, quoted
+from ..grids import Grid, corner_jacobians
 from ..grids.grid import check_grid, corner_edges
-from .field import VARIABLES, Domain, Field, components_of
+from .components import Components, components_of
+from .field import VARIABLES, Domain, Field
+from .locations import at_one_location, first_index, first_place, location
 from .scalar import ScalarField, as_scalar
 
 
@@ -26,15 +28,28 @@ class Target:
 
     Attributes:
         w1: length of the edges along xi: a number, a formula in xi and eta (in [0, 1]), a function of these arrays, or
-            an array per node, cell or corner.
+            an array per node, cell or corner. On a coarser grid of the same boundary edges are longer accordingly.
         w2: the same along eta.
         angle: between them, in degrees, in the same forms.
+        parts: the two lengths and the angle, or the four components of the matrix.
+        shape: (ni, nj) of the reference grid, if it was made of one.
     """
 
     w1: Any
     w2: Any
     angle: Any = 90.0
-    _matrix: tuple[Domain, tuple[ScalarField, ...]] | None = None
+    _matrix: Components | None = None
+    parts: tuple[ScalarField, ...] = field(init=False, repr=False)
+    shape: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        """Read formulas."""
+        if self._matrix:
+            object.__setattr__(self, "parts", self._matrix.parts)
+            return
+        names = ("w1 of the target", "w2 of the target", "the angle of the target")
+        given = zip((self.w1, self.w2, self.angle), names, strict=True)
+        object.__setattr__(self, "parts", tuple(as_scalar(one, name, VARIABLES["logical"]) for one, name in given))
 
     @classmethod
     def of(cls, grid: Grid) -> Target:
@@ -44,7 +59,12 @@ class Target:
             GridgenError: if a corner of the reference grid is folded; it is named.
         """
         check_grid(grid)
-        return cls.matrix(corner_edges(grid.x, grid.y), "logical")
+        folded = ~(corner_jacobians(grid.x, grid.y) > 0)
+        if folded.any():
+            place = first_place(folded, grid.shape, (grid.x, grid.y), "xy")
+            raise GridgenError(f"the reference grid of a target must be valid; it is folded at {place}: untangle it")
+        matrix = cls.matrix(corner_edges(grid.x, grid.y))
+        return replace(matrix, shape=grid.shape)
 
     @classmethod
     def matrix(cls, source: Any, domain: Domain = "logical") -> Target:  # noqa: ANN401
@@ -55,21 +75,17 @@ class Target:
                 corner, as for a `Field` of the kind `matrix`.
             domain: `logical`: functions are of xi and eta; `physical`: of x and y, evaluated again between steps.
         """
-        made = components_of(Field(source, domain), "W", "matrix")
-        return cls(None, None, None, (domain, made.parts))
+        return cls(None, None, None, components_of(Field(source, domain), "W", "matrix", "the target"))
 
     @property
     def domain(self) -> Domain:
         """What its functions are of."""
-        return self._matrix[0] if self._matrix else "logical"
+        return self._matrix.domain if self._matrix else "logical"
 
-    def parts(self) -> tuple[ScalarField, ...]:
-        """Return the two lengths and the angle, or the four components of the matrix."""
-        if self._matrix:
-            return self._matrix[1]
-        names = ("w1 of the target", "w2 of the target", "the angle of the target")
-        given = zip((self.w1, self.w2, self.angle), names, strict=True)
-        return tuple(as_scalar(one, name, VARIABLES["logical"]) for one, name in given)
+    @property
+    def lags(self) -> bool:
+        """Whether it is held while the nodes move, and evaluated again where they come to."""
+        return self._matrix is not None and self._matrix.lags
 
     def inverse(self, plane: Callable[[ScalarField], Array], shape: tuple[int, int]) -> tuple[Array, ...]:
         """Return the inverse of W: its four components, row by row, all per node, per cell or per corner.
@@ -81,11 +97,11 @@ class Target:
         Raises:
             GridgenError: where det W is not positive.
         """
-        w11, w12, w21, w22 = self._entries([plane(part) for part in self.parts()], shape)
+        w11, w12, w21, w22 = self._entries([plane(part) for part in self.parts], shape)
         determinant = w11 * w22 - w12 * w21
         bad = ~(determinant > 0)
         if bad.any():
-            index = tuple(int(k) for k in np.argwhere(bad)[0])
+            index = first_index(bad)
             raise UnusableValueError(
                 f"the target must have cells of positive area; det W is {determinant[index]:.6g} at "
                 f"{location(determinant, shape)} {index}: lengths must be positive, the angle between 0 and 180 "
@@ -94,7 +110,7 @@ class Target:
         return w22 / determinant, -w12 / determinant, -w21 / determinant, w11 / determinant
 
     def _entries(self, planes: list[Array], shape: tuple[int, int]) -> list[Array]:
-        planes = common_location(planes, shape)
+        planes = at_one_location(planes, shape)
         if self._matrix:
             return planes
         w1, w2, angle = planes
@@ -102,37 +118,25 @@ class Target:
         return [w1, w2 * np.cos(angle), np.zeros_like(w1), w2 * np.sin(angle)]
 
 
-def common_location(planes: list[Array], shape: tuple[int, int]) -> list[Array]:
-    """Return planes at one location: where they are, if that is one, else at the corners (4, ni-1, nj-1)."""
-    if len({plane.shape for plane in planes}) == 1:
-        return planes
-    return [_at_corners(plane, shape) for plane in planes]
-
-
-def _at_corners(plane: Array, shape: tuple[int, int]) -> Array:
-    if plane.ndim == 3:
-        return plane
-    if plane.shape != shape:
-        return np.stack([plane] * 4)
-    return np.stack([plane[:-1, :-1], plane[1:, :-1], plane[1:, 1:], plane[:-1, 1:]])
-
-
-def location(plane: Array, shape: tuple[int, int]) -> str:
-    """Return what an entry of a plane belongs to."""
-    return "corner" if plane.ndim == 3 else "node" if plane.shape == shape else "cell"
-
-
-def as_target(given: object) -> Target | None:
+def as_target(given: object, shape: tuple[int, int]) -> Target | None:
     """Return a target, or None.
 
+    Args:
+        given: a `Target`, a reference grid, or None.
+        shape: (ni, nj) of the grid that it is for.
+
     Raises:
-        GridgenError: for what is no target.
+        GridgenError: for what is no target, or a reference grid of another shape.
     """
-    if given is None or isinstance(given, Target):
-        return given
-    if isinstance(given, Grid):
-        return Target.of(given)
-    raise GridgenError(
-        f"target must be a Target, such as Target.of(grid), Target(w1, w2, angle=90) or Target.matrix(...); came "
-        f"{type(given).__name__}"
-    )
+    made = Target.of(given) if isinstance(given, Grid) else given
+    if made is not None and not isinstance(made, Target):
+        raise GridgenError(
+            f"target must be a Target, such as Target.of(grid), Target(w1, w2, angle=90) or Target.matrix(...); came "
+            f"{quoted(given)}"
+        )
+    if made is not None and made.shape not in (None, shape):
+        raise GridgenError(
+            f"the reference grid of the target has {made.shape} nodes, and this grid {shape}: each of its cells is the "
+            "target of one cell, so make one of as many nodes, or give lengths as formulas, Target(w1, w2)"
+        )
+    return made

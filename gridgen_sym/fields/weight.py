@@ -96,7 +96,7 @@ class Weight:
     @property
     def lags(self) -> bool:
         """Whether it is held while the nodes move, and evaluated again where they come to."""
-        return self.mode == "frozen" and not self.per_node
+        return self.mode == "frozen" and self.field.varies
 
     def planes(self, coordinates: Array, names: tuple[str, ...]) -> list[Array]:
         """Return the weight, per node, cell or corner as it is given, and its derivatives that `names` lists after it.

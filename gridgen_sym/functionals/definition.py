@@ -110,6 +110,8 @@ class Functional:
         Raises:
             GridgenError: for an unknown parameter, a value that is not finite, or a violated constraint.
         """
+        if given is not None and not isinstance(given, Mapping):
+            raise GridgenError(f"parameters must be given by name, as in {{'k': 0.5}}; came {quoted(given)}")
         merged = dict(self.parameters)
         for name, value in (given or {}).items():
             if name not in merged:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from .metric import symbol
+from .metric import DERIVATIVE_NAMES, METRIC_NAMES, TARGET_NAMES, symbol
 
 if TYPE_CHECKING:
     import sympy
@@ -76,7 +76,11 @@ class Rough:
 
 
 def rough_part(
-    density: sympy.Expr, corners: Array, parameters: Mapping[str, float], weight: Array | float = 1.0
+    density: sympy.Expr,
+    corners: Array,
+    parameters: Mapping[str, Array | float],
+    weight: Array | float = 1.0,
+    relative: Array | None = None,
 ) -> Rough | None:
     """Return the first part of a density that has a value but no derivative at some of the corners.
 
@@ -85,10 +89,15 @@ def rough_part(
         corners: edge vectors (x_xi, y_xi, x_eta, y_eta), shape (4, n).
         parameters: values of the parameters, and of what else the density names.
         weight: values of s, n of them or one for all.
+        relative: (4, n), the columns of T = A W⁻¹ where there is a target: a density that does not name the metric of
+            T is of them instead.
     """
     import sympy
 
-    names = dict(_metric_jets(corners)) | {name: _constant(value, corners) for name, value in parameters.items()}
+    to_target = corners if relative is None else relative
+    if not {value.name for value in density.free_symbols} & {*TARGET_NAMES}:
+        corners = to_target
+    names = _metric_jets(corners, to_target) | {name: _constant(value, corners) for name, value in parameters.items()}
     names["s"] = _constant(weight, corners)
     known: dict[Any, Jet] = {symbol(name): jet for name, jet in names.items()}
     with np.errstate(all="ignore"):
@@ -123,16 +132,23 @@ def _used(part: sympy.Expr, known: Mapping[Any, Jet]) -> Iterator[tuple[sympy.Ex
     yield from ((first, below), (second, ~below))
 
 
-def _metric_jets(corners: Array) -> Iterator[tuple[str, Jet]]:
-    """Yield what a density may be written in, along one direction that no density was made for."""
+def _metric_jets(corners: Array, relative: Array) -> dict[str, Jet]:
+    """Return what a density may be written in, along one direction that no density was made for."""
+    jets = _edge_jets(corners)
+    metric = dict(zip(METRIC_NAMES, _products(*jets), strict=True))
+    to_target = dict(zip(TARGET_NAMES, _products(*_edge_jets(relative)), strict=True))
+    return dict(zip(DERIVATIVE_NAMES, jets, strict=True)) | metric | to_target
+
+
+def _edge_jets(corners: Array) -> list[Jet]:
     direction = np.broadcast_to(np.random.default_rng(5).normal(size=(4, 1)), corners.shape)
     zero = np.zeros(corners.shape[1])
-    a, b, c, d = (Jet(value, slope, zero) for value, slope in zip(corners, direction, strict=True))
-    yield from zip(("x_xi", "y_xi", "x_eta", "y_eta"), (a, b, c, d), strict=True)
-    yield from (("g11", a * a + b * b), ("g22", c * c + d * d), ("g12", a * c + b * d))
-    jacobian = a * d + _constant(-1.0, corners) * b * c
-    yield from (("J", jacobian), ("tau", jacobian))
-    yield from (("t11", a * a + b * b), ("t22", c * c + d * d), ("t12", a * c + b * d))
+    return [Jet(value, slope, zero) for value, slope in zip(corners, direction, strict=True)]
+
+
+def _products(a: Jet, b: Jet, c: Jet, d: Jet) -> tuple[Jet, ...]:
+    """Return g11, g22, g12 and J of the edge vectors (a, b) and (c, d)."""
+    return a * a + b * b, c * c + d * d, a * c + b * d, a * d + _constant(-1.0, a.value[np.newaxis]) * b * c
 
 
 def _constant(value: Array | float, corners: Array) -> Jet:

@@ -80,7 +80,8 @@ class KernelSet:
         energies, smallest = np.empty(coordinates.shape[1] - 1), np.empty(coordinates.shape[1] - 1)
         values = np.zeros((len(self.planes), *coordinates.shape[1:]))
         values[:1] = 1.0
-        self._call("energy", coordinates, values, energies, smallest)
+        with np.errstate(all="ignore"):  # The energies, which have no use here, need not be numbers.
+            self._call("energy", coordinates, values, energies, smallest)
         return smallest
 
     def energy_gradient(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..codegen.backend import Function, find_backend
 from ..codegen.facts import KernelFacts
-from ..errors import GridgenError, quoted
+from ..errors import GridgenError
 from ..functionals.definition import Functional
 from ..functionals.variant import Variant
 from .backend import choose_backend
@@ -34,14 +34,14 @@ def kernels(
     Raises:
         GridgenError: for unknown parameters or backends, or if the compiler rejects the kernels.
     """
-    if parameters is not None and not isinstance(parameters, Mapping):
-        raise GridgenError(f"parameters must be given by name, as in {{'k': 0.5}}; came {quoted(parameters)}")
-    given = dict(parameters or {})
-    if variant == "regularized" and "epsilon" not in given:
-        raise GridgenError(
-            f"the regularized barrier of {functional.name!r} needs the parameter epsilon, a small Jacobian"
-        )
-    extra = [given.pop("epsilon")] if variant == "regularized" else []
+    given, extra = parameters, []
+    if variant == "regularized":
+        given = dict(parameters or {})
+        if "epsilon" not in given:
+            raise GridgenError(
+                f"the regularized barrier of {functional.name!r} needs the parameter epsilon, a small Jacobian"
+            )
+        extra = [given.pop("epsilon")]
     values = np.array([*functional.values(given).values(), *extra], dtype=float)
     chosen = choose_backend(backend)
     facts, functions = _load(functional, variant, chosen.name)

@@ -9,10 +9,14 @@ import numpy as np
 from ..arrays import Array
 from ..errors import shortened
 from ..functionals.definition import Functional
+from ..functionals.metric import INVERSE_TARGET_NAMES, WEIGHT_NAME
 
 
 def missing_derivative(
-    functional: Functional, parameters: Mapping[str, float] | None, coordinates: Array
+    functional: Functional,
+    parameters: Mapping[str, float] | None,
+    coordinates: Array,
+    values: Mapping[str, Array] | None = None,
 ) -> str | None:
     """Return a sentence on the term that has a value but no derivative at some corners of a grid; None without one.
 
@@ -20,11 +24,19 @@ def missing_derivative(
         functional: whose density is looked at.
         parameters: its values, where they are not the defaults.
         coordinates: (2, ni, nj).
+        values: what else the density is given, by name, at the corners; see `Problem.corner_values`.
     """
     from ..functionals.smoothness import rough_part
 
-    corners = _corners(coordinates)
-    rough = rough_part(functional.expression(), corners, functional.values(parameters))
+    corners, given = _corners(coordinates), dict(values or {})
+    target = [given[name] for name in INVERSE_TARGET_NAMES if name in given]
+    rough = rough_part(
+        functional.expression(),
+        corners,
+        {**functional.values(parameters), **given},
+        given.get(WEIGHT_NAME, 1.0),
+        _relative(corners, *target) if target else None,
+    )
     if rough is None:
         return None
     count = int(rough.corners.sum())
@@ -37,8 +49,17 @@ def missing_derivative(
 
 
 def _corners(coordinates: Array) -> Array:
-    """Return the edge vectors (x_xi, y_xi, x_eta, y_eta) of all corners of all cells, (4, n)."""
+    """Return the edge vectors (x_xi, y_xi, x_eta, y_eta) of all corners of all cells, (4, n).
+
+    First those at the nodes (i, j) of the cells, then at (i+1, j), (i, j+1) and (i+1, j+1), as in `runtime.Values`.
+    """
     along_xi, along_eta = np.diff(coordinates, axis=1), np.diff(coordinates, axis=2)
     near, far = slice(None, -1), slice(1, None)
     pairs = [(along_xi[:, :, a], along_eta[:, b]) for a in (near, far) for b in (near, far)]
     return np.concatenate([np.concatenate([first, second]).reshape(4, -1) for first, second in pairs], axis=1)
+
+
+def _relative(corners: Array, v11: Array, v12: Array, v21: Array, v22: Array) -> Array:
+    """Return the columns of T = A V, in the order of the edge vectors (4, n) that are the columns of A."""
+    along_xi, along_eta = corners[:2], corners[2:]
+    return np.concatenate([v11 * along_xi + v21 * along_eta, v12 * along_xi + v22 * along_eta])

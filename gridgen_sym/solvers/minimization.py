@@ -78,6 +78,8 @@ class Run:
         barrier = self.problem.kernels.barrier
         if smallest > 0 or not barrier:
             self.reference = norm_of(gradient)
+        if not self.problem.exists_at(start):
+            return
         self.problem.refresh(start)
         new_energy, new_smallest = self.problem.energy(start)
         if new_smallest > 0 and smallest > 0:
@@ -133,7 +135,9 @@ class Run:
         """Return how a run has ended, with the term of the density whose derivative does not exist, if that is why."""
         if outcome.converged or self._has_derivatives(outcome.status):
             return outcome
-        reason = missing_derivative(self.functional, self.parameters, self.coordinates)
+        reason = missing_derivative(
+            self.functional, self.parameters, self.coordinates, self.problem.corner_values(self.coordinates)
+        )
         return Outcome(Status.NOT_DIFFERENTIABLE, reason) if reason else outcome
 
     def _has_derivatives(self, status: Status) -> bool:

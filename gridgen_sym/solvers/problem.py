@@ -63,6 +63,18 @@ class Problem:
             self.refresh(coordinates)
         return self._values
 
+    def corner_values(self, coordinates: Array) -> dict[str, Array]:
+        """Return what the density is given at every corner of every cell, by name: corner after corner, as one row."""
+        values = self.values(coordinates)
+        if values is None:
+            return {}
+        planes = zip(self.kernels.planes, values.corners, strict=True)
+        return {name: np.concatenate([view.ravel() for view in views]) for name, views in planes}
+
+    def exists_at(self, coordinates: Array) -> bool:
+        """Return whether everything that the density is given can be evaluated at coordinates."""
+        return self.inputs is None or self.inputs.exists(coordinates, self.kernels.planes)
+
     def energy(self, coordinates: Array) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian."""
         energy, smallest = self.kernels.energy(coordinates, self.values(coordinates), interior_only=self.interior_only)
@@ -222,7 +234,9 @@ def make_problem(
     check_size(grid)
     definition = find_functional(functional)
     home = grid.shape if arrays_of is None else arrays_of
-    inputs = density_inputs(definition, home, as_weight(weight), fields, as_target(target))
+    inputs = density_inputs(
+        definition, home, parameters=parameters, weight=as_weight(weight), fields=fields, target=as_target(target, home)
+    )
     kernel_set = kernels(definition, inputs.variant, parameters, backend)
     given = inputs if kernel_set.planes else None
     problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import Array
+from ...errors import UnusableValueError
 from ...functionals.definition import Functional
 from ...grids import Grid
 from ..newton.minimize import minimize
@@ -58,11 +60,15 @@ class Nested:
     solved: Array | None = None
 
     def solve(self, coordinates: Array) -> None:
-        """Solve on all grids coarser than `coordinates` (2, ni, nj), of which the boundary is used."""
+        """Solve on all grids coarser than `coordinates` (2, ni, nj), of which the boundary is used.
+
+        Those are left out at whose nodes a field, or a mean over a target's cells, has no value that can be used.
+        """
         for shape in coarse_shapes(coordinates.shape[1:])[:-1]:
             start = coarse_start(coordinates, shape)
-            problem = self.make(Grid.from_planes(*start))
-            self.solved = self._solve(problem, self.finer(problem, start))
+            with suppress(UnusableValueError):
+                problem = self.make(Grid.from_planes(*start))
+                self.solved = self._solve(problem, self.finer(problem, start))
 
     def finer(self, problem: Problem, coordinates: Array) -> Array:
         """Return the start that the finest solved grid gives on a grid with the boundary of `coordinates`."""

@@ -82,9 +82,8 @@ class LineSearch:
     def _values_exist(self) -> bool:
         """Return whether values that are held now can be evaluated on the trial grid, once the step is taken."""
         problem = self.iterate.problem
-        if problem.inputs is None or not problem.inputs.lags:
-            return True
-        return problem.inputs.exists(self.trial, problem.kernels.planes)
+        lags = problem.inputs is not None and problem.inputs.lags
+        return not lags or problem.exists_at(self.trial)
 
 
 def _noise(energy: float) -> float:

@@ -26,7 +26,7 @@ _LITTLE = 1e-6
 _STEEP, _POOR = 5e-3, 0.25
 #: Factor by which the gradient falls in a subdomain, and Newton steps there.
 _WINDOW, _WINDOW_STEPS = 3e-1, 40
-#: A weight that is evaluated anew after every step may never let the grid settle: steps without a smaller gradient.
+#: Values that are evaluated anew after every step may never let the grid settle: steps without a smaller gradient.
 _UNSETTLED = 50
 
 #: Why Newton's method ends without converging.
@@ -38,8 +38,8 @@ _WHY = {
         "every step downhill that was tried would fold a cell; whether a valid grid has less energy is not known"
     ),
     Status.UNSETTLED: (
-        "the grid does not settle: wherever a step that sees a frozen weight moves the nodes, the weight is another. A "
-        "weight in the mode 'differentiated' belongs to the energy, and a smaller or smoother one changes less"
+        "the grid does not settle: wherever a step that sees a frozen weight or field moves the nodes, its values are "
+        "others. In the mode 'differentiated' it belongs to the energy, and a smaller or smoother one changes less"
     ),
 }
 
