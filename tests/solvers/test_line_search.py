@@ -227,7 +227,8 @@ def test_a_trial_point_without_a_value_is_a_refused_step():
 
 def test_a_held_weight_must_exist_where_a_step_leads():
     problem = OneNumber(lambda x: (x - 3) ** 2, lambda x: 2 * (x - 3))
-    problem.inputs = SimpleNamespace(lags=True, exists=lambda place, names: place[0, 0, 0] <= 1)
+    problem.inputs = SimpleNamespace(lags=True)
+    problem.exists_at = lambda place: place[0, 0, 0] <= 1
     found = search(problem, 0.0)
     assert found.along(direction(3.0))
     assert found.length == 0.25
