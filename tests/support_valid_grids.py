@@ -116,3 +116,24 @@ def scrambled(grid, seed):
     xy[1:-1, 1:-1] = np.random.default_rng(seed).permutation(inner).reshape(xy[1:-1, 1:-1].shape)
     xy[1, 1] = xy[0, 0]
     return gg.Grid(xy)
+
+
+def bent_grid(seed, most=(9, 8), moves=150):
+    """A valid grid whose nodes, of the boundary, too, were moved at random by up to 0.6 of how far they go."""
+    random = np.random.default_rng(seed)
+    shape = int(random.integers(3, most[0] + 1)), int(random.integers(3, most[1] + 1))
+    size = 2**20
+    exact = start_of(random, shape, size)
+    if not exact.valid:
+        exact = ExactGrid(shape, {(i, j): (size * i, size * j) for i in range(shape[0]) for j in range(shape[1])})
+    nodes = list(exact.nodes)
+    for _ in range(int(random.integers(0, moves))):
+        step = tuple(int(value) for value in np.rint(size * random.normal(size=2)))
+        exact.move(nodes[random.integers(len(nodes))], step, Fraction(int(random.integers(1, 7)), 10))
+    return exact.grid(2.0**-20)
+
+
+def of_its_boundary(grid):
+    """The transfinite interpolation of a grid's boundary."""
+    xy = grid.xy
+    return gg.transfinite(xy[:, 0], xy[:, -1], xy[0], xy[-1])

@@ -27,6 +27,8 @@ from .run.result import Result
 from .run.status import Outcome, Status
 from .run.stopping import run_to_result
 
+#: Factors by which the gradient must fall. One Newton step more gives ten digits of a grid that attains its target.
+_TOLERANCE, _TO_TARGET = 1e-6, 1e-10
 #: Default numbers of Newton steps and of sweeps.
 _LIMITS = {"newton": 1000, "local": 5000}
 
@@ -42,7 +44,7 @@ def optimize(
     target: Target | Grid | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
-    tolerance: float = 1e-6,
+    tolerance: float | None = None,
     max_iterations: int | None = None,
     keep_valid: bool = True,
     interior_only: bool = False,
@@ -68,7 +70,8 @@ def optimize(
             reference grid of the same shape.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
-        tolerance: factor by which the gradient's norm must fall.
+        tolerance: factor by which the gradient's norm must fall; by default 1e-6, and by Newton's method to a target
+            1e-10: where a valid grid attains the target, ten digits of it are found.
         max_iterations: sweeps, or Newton steps, on the grid itself; steps of untangling and on coarser grids are
             not counted. With 0 a start that needs no untangling comes back as it is.
         keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals
@@ -89,6 +92,8 @@ def optimize(
     """
     if method not in ("newton", "local"):
         raise GridgenError(f"unknown method {quoted(method)}: optimize takes 'newton' or 'local'")
+    if tolerance is None:
+        tolerance = _TO_TARGET if target is not None and method == "newton" else _TOLERANCE
     check_controls(tolerance, max_iterations, callback, time_limit)
     check_grid(grid)
     definition = find_functional(functional)

@@ -24,7 +24,7 @@ class Status(Enum):
     DIVERGED = "The steps diverge."
     HELD_BACK = "Steps that make progress would fold a cell."
     NOT_DIFFERENTIABLE = "The functional has no derivative at the grid."
-    UNSETTLED = "The weight changes as much as the grid does."
+    UNSETTLED = "The weight, or a field, changes as much as the grid does."
     WORSE = "The grid has settled, but it is worse than the start by its own estimate."
     FOLDED = "Cells are folded, and no proof is known that this cannot be avoided."
     IMPOSSIBLE = "Cells are folded, and no valid grid has these boundary nodes: a certificate proves it."
