@@ -60,9 +60,9 @@ def derive(name: str, latex: bool) -> None:
     from ..functionals import functional
 
     definition = functional(name)
-    from ..codegen.derivations import report_latex, report_text
+    from ..codegen.derivations import known_report, report_latex
 
-    click.echo((report_latex if latex else report_text)(definition), nl=False)
+    click.echo((report_latex if latex else known_report)(definition), nl=False)
 
 
 @click.command()

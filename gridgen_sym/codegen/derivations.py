@@ -67,7 +67,7 @@ def report_text(functional: Functional) -> str:
 
         return derive_text(functional)
 
-    return _committed_report(functional) or _text(functional, "report", ".txt", derive)
+    return _text(functional, "report", ".txt", derive)
 
 
 def report_latex(functional: Functional) -> str:
@@ -81,13 +81,16 @@ def report_latex(functional: Functional) -> str:
     return _text(functional, "report", ".tex", derive)
 
 
-def _committed_report(functional: Functional) -> str:
-    """Return the report of a built-in functional from its page, nothing in a checkout: there it may be outdated."""
-    if is_checkout() or not is_the_builtin(functional):
-        return ""
+def known_report(functional: Functional) -> str:
+    """Return the same; for a built-in functional from its page in `generated/`, unless this is a checkout.
+
+    In a checkout the page may be older than the formulas and the templates.
+    """
     page = resource_folder("generated") / "docs" / f"{functional.name}.md"
-    found = re.search(r"^```text\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S) if page.exists() else None
-    return found[1] if found else ""
+    if is_checkout() or not is_the_builtin(functional) or not page.exists():
+        return report_text(functional)
+    found = re.search(r"^```text\n(.*?)\n```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    return found[1] if found else report_text(functional)
 
 
 # ---- lists ----

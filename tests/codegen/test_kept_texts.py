@@ -16,6 +16,7 @@ from gridgen_sym import cache as cache_module
 from gridgen_sym.codegen import derivations, kept_texts
 from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen.kept_texts import generator_files, kept, key_of_files
+from gridgen_sym.codegen.render import render_document
 from gridgen_sym.functionals import define, functional
 from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.resources import resource_folder
@@ -167,12 +168,13 @@ def test_reports_kernels_and_lists_are_derived_once(monkeypatch, capsys):
 def test_the_report_of_a_wheel_is_the_committed_one(monkeypatch):
     """There nothing changes after it was built; in a checkout the committed text may be older than the formulas."""
     committed = (resource_folder("generated") / "docs" / "length.md").read_text(encoding="utf-8")
-    monkeypatch.setattr(derivations, "_text", lambda *_: "derived now")
+    length, other = functional("length"), Functional("length", "g11**4 + J**2")
+    monkeypatch.setattr(derivations, "report_text", lambda _: "derived now")
     monkeypatch.setattr(derivations, "is_checkout", lambda: False)
-    assert committed.endswith(f"```text\n{derivations.report_text(functional('length'))}```\n")
-    assert derivations.report_text(Functional("length", "g11**4 + J**2")) == "derived now"
+    assert render_document(length, derivations.known_report(length)).text == committed
+    assert derivations.known_report(other) == "derived now"
     monkeypatch.setattr(derivations, "is_checkout", lambda: True)
-    assert derivations.report_text(functional("length")) == "derived now"
+    assert derivations.known_report(length) == "derived now"
 
 
 def test_what_is_not_used_for_long_is_removed(cache):
