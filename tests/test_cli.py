@@ -323,7 +323,8 @@ def test_info_says_what_is_wrong_with_the_compiler_and_the_cache(monkeypatch, tm
 
 def test_derive_prints_text_and_latex():
     assert "length" in run("derive", "length")
-    assert r"\section*" in run("derive", "length", "--latex")
+    assert r"\section{The functional \texttt{length}}" in run("derive", "length", "--latex")
+    assert r"\documentclass" in run("derive", "length", "--document")
     assert "Did you mean 'length'" in run("derive", "lenght", code=2)
 
 

@@ -53,16 +53,20 @@ def _row(definition: Functional) -> tuple[str, ...]:
 
 @click.command()
 @click.argument("name")
-@click.option("--latex", is_flag=True, help="A LaTeX fragment for a document that loads amsmath.")
+@click.option("--latex", is_flag=True, help="A section of LaTeX for \\input in a document that loads amsmath.")
+@click.option("--document", is_flag=True, help="A LaTeX document that compiles by itself, with its bibliography.")
 @functionals_option
-def derive(name: str, latex: bool) -> None:
+def derive(name: str, latex: bool, document: bool) -> None:
     """Print every equation derived from the functional NAME."""
     from ..functionals import functional
 
     definition = functional(name)
     from ..codegen.derivations import known_report, report_latex
 
-    click.echo((report_latex if latex else known_report)(definition), nl=False)
+    if latex or document:
+        click.echo(report_latex(definition, complete=document), nl=False)
+    else:
+        click.echo(known_report(definition), nl=False)
 
 
 @click.command()

@@ -70,15 +70,15 @@ def report_text(functional: Functional) -> str:
     return _text(functional, "report", ".txt", derive)
 
 
-def report_latex(functional: Functional) -> str:
-    """Return every derived equation of a functional as a LaTeX fragment, for a document that loads amsmath."""
+def report_latex(functional: Functional, *, complete: bool = False) -> str:
+    r"""Return every derived equation of a functional as LaTeX: a section for \input, or a complete document."""
 
     def derive() -> str:
         from ..symbolic.report import derive_latex
 
-        return derive_latex(functional)
+        return derive_latex(functional, complete=complete)
 
-    return _text(functional, "report", ".tex", derive)
+    return _text(functional, "document" if complete else "report", ".tex", derive)
 
 
 def known_report(functional: Functional) -> str:

@@ -8,7 +8,7 @@ from sympy import Rational
 
 from gridgen_sym.functionals import functional, functionals
 from gridgen_sym.functionals.definition import Functional
-from gridgen_sym.symbolic import classify, corner_model, derive_latex, derive_text, euler_lagrange
+from gridgen_sym.symbolic import classify, corner_model, derive_text, euler_lagrange
 from gridgen_sym.symbolic.coordinates import FIRST_DERIVATIVES, SECOND_DERIVATIVES, expand_metric
 from gridgen_sym.symbolic.report.sections import Quasilinear, sections
 from gridgen_sym.symbolic.report.tidy import common_factor, paper_order, tidy
@@ -21,17 +21,6 @@ def test_text_has_every_part(name):
     for part in ("Density", "Corner energy", "dE/dx_xi =", "H+/d", "divergence form", "expanded form", "det A(k) ="):
         assert part in text
     assert ("Equidistribution, weight frozen" in text) == ("*s" in text.split("Corner")[0])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", functionals())
-def test_latex_is_balanced(name):
-    latex = derive_latex(functional(name))
-    assert latex.count("{") == latex.count("}")
-    assert latex.count(r"\left") == latex.count(r"\right")
-    assert latex.count(r"\[") - latex.count(r"\\[") == latex.count(r"\]")
-    assert r"x_{\xi \xi}" in latex
-    assert "_xi" not in latex.replace(r"\_xi", "")
 
 
 def test_weight_laws_and_reduction_are_shown():

@@ -6,7 +6,7 @@ Both are made from the same sections, so that neither can show what the other do
 from __future__ import annotations
 
 from ...functionals.definition import Functional
-from .latex import latex_section
+from .document import document, fragment
 from .sections import sections
 from .text import text_section
 
@@ -17,8 +17,12 @@ def derive_text(functional: Functional) -> str:
     return "\n\n".join([head, *(text_section(section) for section in sections(functional))]) + "\n"
 
 
-def derive_latex(functional: Functional) -> str:
-    """Return every derived equation of a functional as a LaTeX fragment, for a document that loads amsmath."""
-    name = functional.name.replace("_", r"\_")
-    body = "\n".join(latex_section(section) for section in sections(functional))
-    return f"\\section*{{The functional \\texttt{{{name}}}}}\n{body}\n"
+def derive_latex(functional: Functional, *, complete: bool = False) -> str:
+    r"""Return every derived equation of a functional as LaTeX, with numbered and labeled equations.
+
+    Args:
+        functional: any.
+        complete: a document that compiles by itself, with its bibliography, and not a section for \input in one that
+            loads amsmath.
+    """
+    return (document if complete else fragment)(functional)

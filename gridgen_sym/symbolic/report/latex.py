@@ -1,4 +1,4 @@
-"""Print the sections of a report as LaTeX, for a document that loads amsmath."""
+"""Print the items of a report as LaTeX formulas without numbers, as pages show them."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ import re
 import sympy
 from sympy import Expr, Symbol
 
-from .sections import Divergence, Item, Quasilinear, Section
-from .tidy import common_factor
+from .printer import latex as latex
+from .printer import small_brackets, split_sign, symbol_name
+from .sections import Divergence, Quasilinear
 
 #: A matrix of more letters of LaTeX than this does not fit on a page.
 _WIDEST = 360
-_GREEK = re.compile(r"xi|eta")
-_SPECIAL = {"epsilon": r"\varepsilon", "chi": r"\chi", "root": r"\sqrt{J^2 + \varepsilon^2}"}
 #: What a sentence may contain and LaTeX would misread.
 _UNSAFE = {
     **{character: f"\\{character}" for character in "_#$%&{}"},
@@ -22,50 +21,6 @@ _UNSAFE = {
     **{"√": r"$\surd$", "·": r"$\cdot$", "≥": r"$\ge$", "≤": r"$\le$", "∂": r"$\partial$", "∞": r"$\infty$"},
     **{"ξ": r"$\xi$", "η": r"$\eta$", "σ": r"$\sigma$", "λ": r"$\lambda$", "ε": r"$\varepsilon$", "χ": r"$\chi$"},
 }
-
-
-def latex(expression: Expr | sympy.Matrix) -> str:
-    r"""Return an expression or a matrix as LaTeX, with the field's symbols: x_{\xi\xi}, g_{11}, J.
-
-    What the entries of a matrix have in common stands before it.
-    """
-    names = {variable: symbol_name(variable) for variable in expression.free_symbols}
-    if not isinstance(expression, sympy.MatrixBase):
-        return str(sympy.latex(expression, symbol_names=names))
-    factor = common_factor(expression)
-    inner = sympy.latex(expression / factor, symbol_names=names, mat_str="matrix", mat_delim="[")
-    return inner if factor == 1 else f"{sympy.latex(factor, symbol_names=names)} {inner}"
-
-
-def symbol_name(variable: Symbol) -> str:
-    """Return the LaTeX name of a symbol."""
-    name = str(variable)
-    if name in _SPECIAL:
-        return _SPECIAL[name]
-    head, _, tail = name.partition("_")
-    if not tail and (match := re.fullmatch(r"([a-zA-Z]+)(\d+)", head)):
-        head, tail = match[1], match[2]
-    if len(head) > 1:
-        head = rf"\mathrm{{{head}}}"
-    if not tail:
-        return head
-    subscript = _GREEK.sub(lambda match: "\\" + match[0] + " ", tail).strip().replace("_", r"\_")
-    return f"{head}_{{{subscript}}}"
-
-
-def latex_section(section: Section) -> str:
-    """Return a section as LaTeX: sentences as paragraphs, everything else as displayed formulas."""
-    return "\n".join([rf"\subsection*{{{latex_sentence(section.heading)}}}", *(_item(item) for item in section.items)])
-
-
-def _item(item: Item) -> str:
-    match item:
-        case str():
-            return latex_sentence(item) + "\n"
-        case Quasilinear():
-            return "\\begin{multline*}\n" + " \\\\\n".join(_rows(item)) + " = 0\n\\end{multline*}"
-        case _:
-            return "\n".join(f"\\[\n{formula}\n\\]" for formula in latex_formulas(item))
 
 
 def latex_formulas(item: Divergence | Quasilinear | tuple[str, Expr | sympy.Matrix]) -> list[str]:
@@ -83,32 +38,33 @@ def _formula(item: Divergence | Quasilinear | tuple[str, Expr | sympy.Matrix]) -
     match item:
         case Divergence(along_xi, along_eta, source):
             tail = "" if source == 0 else rf" - \left({latex(source)}\right)"
-            sign, across = ("-", -along_eta) if along_eta.could_extract_minus_sign() else ("+", along_eta)
+            sign, across = split_sign(along_eta)
+            sign = sign or "+"
             flux = rf"\partial_\xi \left({latex(along_xi)}\right) {sign} \partial_\eta \left({latex(across)}\right)"
             return f"{flux}{tail} = 0"
         case Quasilinear():
-            return " ".join(_rows(item)).replace(r"\Bigl", "").replace(r"\Bigr", "") + " = 0"
+            return f"{_terms(item)} = 0"
         case (name, expression):
             return f"{latex_label(name)} = {latex(expression)}"
 
 
-def _rows(equation: Quasilinear) -> list[str]:
-    """Return the terms of an equation, each on a row of its own."""
-    rows = [_term(coefficient, second) for coefficient, second in equation.terms] or ["0"]
-    rows[0] = rows[0].removeprefix("+ ")
+def _terms(equation: Quasilinear) -> str:
+    """Return the left side of an equation."""
+    text = " ".join(_term(coefficient, second) for coefficient, second in equation.terms).removeprefix("+ ") or "0"
     if equation.factor != 1:
-        # Brackets of a fixed size: those of \left and \right cannot be in different rows.
-        rows[0] = rf"{latex(equation.factor)} \Bigl( {rows[0]}"
-        rows[-1] += r" \Bigr)"
-    return rows + ([_term(equation.rest)] if equation.rest != 0 else [])
+        text = rf"{latex(equation.factor)} \left( {text} \right)"
+    return f"{text} {_term(equation.rest)}" if equation.rest != 0 else text
 
 
 def _term(coefficient: Expr, second: Expr = sympy.S.One) -> str:
-    """Return a term with its sign."""
-    sign = "-" if coefficient.could_extract_minus_sign() else "+"
-    size = -coefficient if sign == "-" else coefficient
-    factor = rf"\left({latex(size)}\right)" if size.is_Add else latex(size)
-    return f"{sign} {latex(size * second)}" if 1 in (size, second) else f"{sign} {factor} {latex(second)}"
+    """Return a term with its sign; a sum alone keeps its own."""
+    if coefficient.is_Add and second == 1:
+        text = latex(coefficient)
+        return text if text.startswith("-") else f"+ {text}"
+    sign, size = split_sign(coefficient)
+    factor = small_brackets(rf"\left({latex(size)}\right)") if size.is_Add else latex(size)
+    shown = " ".join(text for text in (factor, latex(second)) if text != "1") or "1"
+    return f"{sign or '+'} {shown}"
 
 
 def latex_label(name: str) -> str:

@@ -9,6 +9,7 @@ import sympy
 from sympy import Expr
 
 from ...functionals.definition import Functional
+from ...functionals.variant import Modes
 from ..classify.bounds import LowerBound
 from ..classify.classification import Classification, classify
 from ..classify.equidistribution import equidistribution
@@ -69,15 +70,26 @@ def sections(functional: Functional) -> Iterator[Section]:
     yield from _equations(euler_lagrange(functional, "plain"), "Euler-Lagrange equations, with s = 1")
     found = classify(functional)
     yield Section(f"Classification, where J > 0{_at_defaults(functional)}", tuple(_classification(found)))
-    if functional.expression().has(s):
-        for variant in _weighted():
-            derived = euler_lagrange(functional, variant)
-            yield from _equations(derived, f"Euler-Lagrange equations, weight {variant}", detail=True)
-            yield Section(f"Equidistribution, weight {variant}", tuple(_law(functional, variant)))
+    for variant in moving_variants(functional):
+        modes = Modes.read(variant)
+        held = ", ".join(
+            [
+                *([f"weight {modes.weight}"] if modes.weight else []),
+                *(f"{name} differentiated" for name in modes.differentiated),
+            ]
+        )
+        derived = euler_lagrange(functional, variant)
+        yield from _equations(derived, f"Euler-Lagrange equations, {held}", detail=True)
+        if modes.weight:
+            yield Section(f"Equidistribution, {held}", tuple(_law(functional, variant)))
 
 
-def _weighted() -> tuple[Variant, Variant]:
-    return ("frozen", "differentiated")
+def moving_variants(functional: Functional) -> tuple[Variant, ...]:
+    """Return the variants in which the weight is present, or fields move: all that is held, and all that moves."""
+    fields = tuple(sorted(functional.fields))
+    if not functional.expression().has(s):
+        return (Modes(differentiated=fields).variant,) if fields else ()
+    return Modes("frozen").variant, Modes("differentiated", fields).variant
 
 
 def _at_defaults(functional: Functional) -> str:

@@ -17,6 +17,8 @@ from ..derive.reduction import in_metric
 _LARGEST = 600
 #: The metric is written out up to this size, and where the degree is not high: factors in four variables take long.
 _LARGEST_WRITTEN = 100
+#: Expressions with roots and more symbols than this are not factored.
+_MOST_SYMBOLS = 7
 _TRACE = symbol("trace")
 
 
@@ -26,16 +28,28 @@ def tidy(expression: Expr) -> Expr:
 
     Impulses at kinks and jumps are left out: the report says where those are.
     """
-    expression = almost_everywhere(sympy.sympify(expression))
-    names = expression.free_symbols
+    expression, roots = _without_roots(almost_everywhere(sympy.sympify(expression)))
     size = sympy.count_ops(expression)
-    if not expression.is_rational_function(*names) or size > _LARGEST:
-        return expression
-    traced = sympy.factor(expression.subs(g11, _TRACE - g22)).subs(_TRACE, g11 + g22)
-    single = [sympy.factor(expression), traced]
+    if not expression.is_rational_function(*expression.free_symbols) or size > _LARGEST:
+        return expression.subs(roots)
+    if roots and len(expression.free_symbols) > _MOST_SYMBOLS:
+        return min((expression, sympy.factor_terms(sympy.together(expression))), key=sympy.count_ops).subs(roots)
+    single = [sympy.factor(expression)]
+    if expression.has(g11) and expression.has(g22):
+        single.append(sympy.factor(expression.subs(g11, _TRACE - g22)).subs(_TRACE, g11 + g22))
     if size <= _LARGEST_WRITTEN and not is_high([expression]):
         single.append(in_metric(sympy.factor(expand_metric(expression))))
-    return min((expression, *map(sympy.factor_terms, single)), key=sympy.count_ops)
+    return min((expression, *map(sympy.factor_terms, single)), key=sympy.count_ops).subs(roots)
+
+
+def _without_roots(expression: Expr) -> tuple[Expr, dict[Symbol, Expr]]:
+    """Return the expression with a symbol for every square root, and what the symbols stand for."""
+    halves = [power for power in expression.atoms(sympy.Pow) if power.exp.is_Rational and power.exp.q == 2]
+    bases = sorted({power.base for power in halves}, key=sympy.default_sort_key)
+    roots = {sympy.Dummy(f"root_{k}", positive=True): sympy.sqrt(base) for k, base in enumerate(bases)}
+    names = {base: name for name, base in zip(roots, bases, strict=True)}
+    whole = {power: names[power.base] ** (2 * power.exp) for power in halves}
+    return expression.xreplace(whole), roots
 
 
 def tidy_quadratic(expression: Expr, variables: Sequence[Symbol]) -> Expr:
