@@ -104,28 +104,27 @@ class Summary:
         density: the formula, as text.
         equations: the Euler-Lagrange equations in the words of the field, as random points show them.
         barrier: whether the energy is infinite where J = 0.
-        weighted: whether the density names the weight.
+        names: what the density names, in alphabetical order.
     """
 
     density: str
     equations: tuple[str, ...]
     barrier: bool
-    weighted: bool
+    names: tuple[str, ...]
 
 
 def summary(functional: Functional) -> Summary:
     """Return what a list says of a functional; nothing is proved for it."""
     found: dict[str, Any] = json.loads(_text(functional, "summary", ".json", lambda: _summarize(functional)))
-    return Summary(**(found | {"equations": tuple(found["equations"])}))
+    return Summary(**(found | {key: tuple(found[key]) for key in ("equations", "names")}))
 
 
 def _summarize(functional: Functional) -> str:
     from ..symbolic import equation_words, has_barrier
-    from ..symbolic.coordinates import s
 
     density = functional.expression()
-    found = Summary(str(density), equation_words(functional), has_barrier(functional), s in density.free_symbols)
-    return json.dumps(asdict(found))
+    names = tuple(sorted(symbol.name for symbol in density.free_symbols))
+    return json.dumps(asdict(Summary(str(density), equation_words(functional), has_barrier(functional), names)))
 
 
 def _text(functional: Functional, part: str, suffix: str, make: Callable[[], str]) -> str:

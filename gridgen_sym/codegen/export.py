@@ -13,8 +13,10 @@ from pathlib import Path
 from ..atomic import shown
 from ..errors import GridgenError, quoted
 from ..functionals.definition import Functional
+from ..functionals.metric import TARGET_NAMES
+from ..functionals.variant import Variant
 from .backend import BUILTIN, find_backend
-from .derivations import kernel_files
+from .derivations import kernel_files, summary
 from .facts import KernelFacts
 from .files import difference, write_sources
 from .generate import SHARED, committed_variants
@@ -48,7 +50,7 @@ def exported_sources(functionals: Sequence[Functional], languages: Sequence[str]
     """Yield the files of some functionals in some languages, and what they share.
 
     Args:
-        functionals: whose kernels are written, in the variants that `generated/` has of a built-in one.
+        functionals: whose kernels are written, in the variants that their densities ask for.
         languages: of `BUILTIN`.
         command: what makes the files again, for their heads.
 
@@ -67,9 +69,15 @@ def exported_sources(functionals: Sequence[Functional], languages: Sequence[str]
         yield Source(source.path, text.replace(_COMMAND, f"run `{command}`"))
 
 
+def _variants(functional: Functional) -> tuple[Variant, ...]:
+    """Return those of a built-in functional, and that with a target if the density names it."""
+    targeted = set(TARGET_NAMES) & set(summary(functional).names)
+    return (*committed_variants(functional), *(("target",) if targeted else ()))
+
+
 def _kernels(functional: Functional, languages: Sequence[str]) -> Iterator[Source]:
     """Yield the files of a functional."""
-    for variant, backend in product(committed_variants(functional), map(find_backend, languages)):
+    for variant, backend in product(_variants(functional), map(find_backend, languages)):
         facts_path, source_path = kernel_files(functional, variant, backend)
         facts = KernelFacts.from_json(facts_path.read_text(encoding="utf-8"))
         source, interface = source_path.read_text(encoding="utf-8"), render_interface(backend.name, facts)

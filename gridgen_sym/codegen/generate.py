@@ -8,6 +8,7 @@ from pathlib import Path
 from ..functionals import functional as find_functional
 from ..functionals import functionals, is_builtin
 from ..functionals.definition import Functional
+from ..functionals.metric import WEIGHT_NAME
 from ..functionals.variant import Variant, kernel_name
 from ..resources import resource_folder
 from .backend import BUILTIN, find_backend
@@ -28,7 +29,7 @@ def committed_variants(functional: Functional) -> tuple[Variant, ...]:
     The weighted ones where the density itself names the weight, the regularized one where there is a barrier.
     """
     found = summary(functional)
-    weighted: tuple[Variant, ...] = ("frozen", "differentiated") if found.weighted else ()
+    weighted: tuple[Variant, ...] = ("frozen", "differentiated") if WEIGHT_NAME in found.names else ()
     regularized: tuple[Variant, ...] = ("regularized",) if found.barrier else ()
     return ("plain", *weighted, *regularized)
 

@@ -253,6 +253,27 @@ def test_modules_run_without_this_package(project, name):
     assert np.abs(found["residual"]).max() > 0
 
 
+@pytest.mark.slow
+def test_a_density_that_names_a_target_has_a_kernel_with_one(project):
+    """Cells of 2 x 3 are their own target: nothing is left of the density."""
+    (project / "mine.py").write_text('import gridgen_sym as gg\ngg.define("odd", "(t11 + t22)/(2*tau) - 1")\n')
+    run("generate odd --functionals mine.py -o kernels --language numpy")
+    script = """
+import sys
+import numpy as np
+sys.path.insert(0, "kernels")
+import odd, odd_target
+coordinates = np.array(np.meshgrid(2.0 * np.arange(4), 3.0 * np.arange(5), indexing="ij"))
+inverse = [np.full((4, 5), value) for value in (1 / 2, 0, 0, 1 / 3)]
+for kernel, planes in ((odd, []), (odd_target, inverse)):
+    rows = np.zeros(3)
+    kernel.energy(kernel.block(4, 5), coordinates, kernel.values(*planes), [], rows, np.zeros(3))
+    print(abs(rows).max().round(12))
+"""
+    told = subprocess.run([sys.executable, "-I", "-c", script], capture_output=True, text=True, check=False)
+    assert told.stdout.split() == [str(round(16 * (13 / 12 - 1), 12)), "0.0"], told.stderr
+
+
 def test_modules_have_the_facts_that_their_loops_read():
     templates = resource_folder("templates") / "numpy"
     read = {name for path in templates.glob("*.jinja") for name in re.findall(r"f\.facts\.(\w+)", path.read_text())}
