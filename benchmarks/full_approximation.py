@@ -172,7 +172,7 @@ def valid(grid: gg.Grid) -> Array:
 
 def first_norm(x: Array) -> float:
     """Return the norm that the solvers measure from."""
-    problem = make_problem(gg.Grid.from_planes(*x), "winslow")
+    problem = make_problem(gg.Grid.from_planes(*x), "winslow", spacing="index")
     energy, _, gradient = problem.energy_gradient(x)
     return min(norm_of(gradient), problem.gradient_scale(x, energy))
 

@@ -39,7 +39,7 @@ def _own(grid: gg.Grid, clock: Clock) -> str:
         clock.start()
 
     clock.start()
-    result = gg.optimize(grid, "winslow", tolerance=1e-10, callback=look, progress=False)
+    result = gg.optimize(grid, "winslow", tolerance=1e-10, spacing="index", callback=look, progress=False)
     clock.stop()
     return result.message
 
@@ -65,7 +65,7 @@ def _scipy(peer: str, grid: gg.Grid, clock: Clock) -> str:
         place(free)
         # gridgen_sym numbers the unknowns node by node; here all x come first, then all y.
         order = np.arange(2 * size).reshape(2, size).T.ravel()
-        matrix = gg.hessian(gg.Grid.from_planes(planes[0], planes[1]), "winslow").tocsr()
+        matrix = gg.hessian(gg.Grid.from_planes(planes[0], planes[1]), "winslow", spacing="index").tocsr()
         back = np.argsort(order)
         return matrix[back][:, back]
 

@@ -4,8 +4,8 @@
 The area functional with a weight s makes cells small where the weight is large.
 
 A frozen weight makes s·J constant; a differentiated one, sqrt(s)·J. Areas alone do not determine the grid lines: many
-grids have these areas, and the computed one swirls. A little of winslow selects a smooth grid. J is the area of a cell,
-1/1600 here, so its factor k must be small compared with s·J². Writes `adapted.png`.
+grids have these areas, and the computed one swirls. A little of winslow selects a smooth grid. J is that of the map of
+the unit square, 1 on average here, so the factor k must be small compared with s. Writes `adapted.png`.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ import gridgen_sym as gg
 start = gg.domain("square", 41, 41)
 formula = "1 + 4*exp(-20*((x - 0.5)**2 + (y - 0.5)**2))"
 results = {mode: gg.optimize(start, "area", weight=gg.Weight(formula, mode)) for mode in ("frozen", "differentiated")}
-results["frozen, with a little of winslow"] = gg.optimize(start, "area_winslow", weight=formula, parameters={"k": 1e-9})
+results["frozen, with a little of winslow"] = gg.optimize(start, "area_winslow", weight=formula, parameters={"k": 2e-3})
 
 
 def spread(grid: gg.Grid, power: float) -> float:

@@ -36,6 +36,16 @@ def corner_matrices(grid: gg.Grid) -> np.ndarray:
     return matrices
 
 
+def map_matrices(grid: gg.Grid) -> np.ndarray:
+    """Return the same of the map of the unit square: edge vectors over the steps 1/(ni-1) and 1/(nj-1)."""
+    return corner_matrices(grid) * (np.array(grid.shape) - 1).reshape(1, 2, 1, 1, 1)
+
+
+def sum_over_corners(grid: gg.Grid, *functional: object, **options: object) -> float:
+    """Return the sum of the energies of all corners, which are those of the map of the unit square."""
+    return gg.energy(grid, *functional, **options) * (grid.shape[0] - 1) * (grid.shape[1] - 1)
+
+
 def at_corners(nodal: np.ndarray) -> np.ndarray:
     """Return nodal values (ni, nj) at the corners, (4, ni-1, nj-1)."""
     ni, nj = nodal.shape

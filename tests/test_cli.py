@@ -108,6 +108,18 @@ def test_all_solvers_and_options_reach_the_library(solver):
     assert gg.read("a.npz") != start
 
 
+@pytest.mark.parametrize("solver", ["newton", "euler-lagrange"])
+def test_the_spacing_reaches_every_solver(solver):
+    call = ["grid", "quarter_annulus", "-f", "combined", "--size", 6, 6, "--solver", solver, "-o", "a.npz"]
+    grids = []
+    for given in ([], ["--spacing", "unit"], ["--spacing", "index"]):
+        run(*call, *given)
+        grids.append(gg.read("a.npz"))
+    assert grids[0] == grids[1]
+    assert np.abs(grids[0].planes - grids[2].planes).max() > 0.01
+    assert "'--spacing'" in run(*call, "--spacing", "3", code=2)
+
+
 def test_a_result_that_did_not_converge_is_told_and_is_no_failure():
     said = run("grid", "wavy", "-f", "winslow", "--size", 12, 12, "--max-iterations", 1, "--solver", "local")
     assert "not converged in 1 iterations" in said

@@ -25,7 +25,7 @@ def _in_a_folder_with_samples(tmp_path, monkeypatch):
 
 
 def run(*arguments, code=0):
-    mostly_area = [f"--parameter={one}" for one in ("k_A=0.98", "k_L=0.02", "k_O=0")]
+    mostly_area = [f"--parameter={one}" for one in ("k_A=0.8", "k_L=0.2", "k_O=0")]
     shape = ("grid", "square", "--size", "12", "12", "-f", "combined", "-o", "a.npz", *mostly_area)
     result = CliRunner().invoke(main, [*shape, *arguments])
     assert result.exit_code == code, result.output

@@ -23,7 +23,7 @@ class WeightExponent(NamedTuple):
 
     Attributes:
         exponent: the weight is the density to this power.
-        degree: of the weighted term in J; the weight is divided by the mean area to this power.
+        degree: of the weighted term in J; the weight is divided by the mean J to this power.
     """
 
     exponent: float
@@ -61,8 +61,9 @@ def weight_exponent_of(functional: str, given: float | None = None) -> WeightExp
 def weight_values(density: Array, grid: Grid, weight_exponent: WeightExponent) -> Array:
     """Return the weight (ni, nj) at the nodes of a grid, scaled so that the energy has no unit.
 
-    The density is taken relative to its mean, and J relative to its mean. The balance of the weighted term with a
-    barrier then depends neither on the size of the domain, nor on the number of nodes, nor on the scale of the density.
+    The density is taken relative to its mean, and J relative to its mean, which on the unit square is the grid's area.
+    The balance of the weighted term with a barrier then depends neither on the size of the domain, nor on the number of
+    nodes, nor on the scale of the density.
 
     Raises:
         GridgenError: where it overflows: tiny cells, or a large power of a density that varies much.
@@ -71,12 +72,12 @@ def weight_values(density: Array, grid: Grid, weight_exponent: WeightExponent) -
     area = cell_areas(grid)
     relative = density / float((cell_means(density) * area).sum() / area.sum())
     with np.errstate(over="ignore"):
-        weight = np.asarray(relative**power / area.mean() ** degree)
+        weight = np.asarray(relative**power / area.sum() ** degree)
     if weight.max() <= LARGEST:
         return weight
     if degree:
         raise GridgenError(
-            f"the grid's cells have a mean area of {area.mean():.3g}, and the weight that places nodes overflows: "
+            f"the grid has an area of {area.sum():.3g}, and the weight that places nodes overflows: "
             "scale the grid to a size of about 1"
         )
     raise GridgenError(

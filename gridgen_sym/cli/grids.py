@@ -56,6 +56,11 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid is returned.")
 @click.option("--keep-valid/--no-keep-valid", default=None, help="Keep a valid grid valid at every step.")
 @click.option("--interior-only", is_flag=True, help="Sum over corners at inner nodes only (newton and local).")
+@click.option(
+    "--spacing",
+    type=click.Choice(("unit", "index")),
+    help="Logical steps: of the unit square, or of the index (the paper's literal sums).  [default: unit]",
+)
 @click.option("--backend", metavar="NAME", help="c, numpy, or one that is installed.  [default: c if possible]")
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 @functionals_option
@@ -93,8 +98,8 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     """Return the solver as a function of the start; what was not given is left to its own defaults."""
     from ..solvers import optimize, solve_euler_lagrange
 
-    given = {key: options[key] for key in ("tolerance", "max_iterations", "time_limit", "keep_valid", "backend")}
-    given = {key: value for key, value in given.items() if value is not None}
+    passed = "tolerance", "max_iterations", "time_limit", "keep_valid", "spacing", "backend"
+    given = {key: options[key] for key in passed if options[key] is not None}
     given["parameters"] = parameters_of(name, options["parameters"])
     given["weight"] = _weight(options["weight"], options["weight_mode"], options["allow_negative_weight"])
     if quiet:

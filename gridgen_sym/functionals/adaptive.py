@@ -13,8 +13,8 @@ from .registry import builtin
     reference="Section 2.1, with the barrier of Section 2.5",
     use_when=(
         "To adapt with a weight: cells are small where it is large, and none folds. `gg.adapt` uses it, and scales the "
-        "weight. With a weight of your own choose `k` small beside s·J², where J is the area of a cell: 1e-9 for a "
-        "unit square of 40 x 40 cells. Else the grid is that of `winslow`."
+        "weight. With your own weight choose `k` small beside s·J², where J is that of the map of the unit square: "
+        "on average the area of the domain, whatever the number of nodes. Else the grid is that of `winslow`."
     ),
     avoid_when=(
         "without a weight, where `winslow` is simpler; and where `s J` must be constant exactly: the little of "

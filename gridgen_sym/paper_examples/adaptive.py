@@ -90,7 +90,7 @@ def _adapt(
 
 def _start(label: str, formula: str) -> Case:
     grid = domain("square", CELLS + 1, CELLS + 1)
-    value = energy(grid, "area", weight=Weight(formula, allow_negative=True))
+    value = energy(grid, "area", weight=Weight(formula, allow_negative=True), spacing="index")
     return Case(label, grid, start_energy=value, energy=value, extra=spreads(grid, formula))
 
 

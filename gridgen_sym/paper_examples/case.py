@@ -59,14 +59,22 @@ def sweep(
 ) -> Case:
     """Return the grid of the paper's method: local minimization, node by node, `sweeps` times at most."""
     result = optimize(
-        start, functional, "local", weight=weight, max_iterations=sweeps, keep_valid=keep_valid, progress=False
+        start,
+        functional,
+        "local",
+        weight=weight,
+        max_iterations=sweeps,
+        keep_valid=keep_valid,
+        spacing="index",
+        progress=False,
     )
-    return _case(label, result, f"{result.iterations} sweeps", energy(start, functional, weight=weight))
+    start_energy = energy(start, functional, weight=weight, spacing="index")
+    return _case(label, result, f"{result.iterations} sweeps", start_energy)
 
 
 def limit(case: Case, functional: str) -> Case:
     """Return the minimum that the sweeps of `case` were on the way to, by Newton's method from where they stopped."""
-    result = optimize(case.grid, functional, "newton", keep_valid=False, progress=False)
+    result = optimize(case.grid, functional, "newton", keep_valid=False, spacing="index", progress=False)
     return _case(f"{case.label} (limit)", result, f"{result.iterations} Newton steps more", case.start_energy)
 
 

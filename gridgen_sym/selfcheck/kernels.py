@@ -13,16 +13,19 @@ from .check import Check, both_zero, difference, failure
 from .samples import active_size, mean_slope
 
 _SIZE = (9, 70)
+#: Steps of the logical coordinates.
+_SPACING = (0.5, 0.8)
 #: Steps of the differences of gradients, over the size of a cell: near a kink the long ones cross it.
 _STEPS = (1e-4, 1e-5, 1e-6, 1e-7)
 _HESSIAN_LIMIT, _BACKEND_LIMIT = 1e-6, 1e-10
 
 
 def _random_nodes(functional: Functional) -> Array:
-    """Return squares of the active size, with noise in every node, (2, ni, nj)."""
+    """Return nodes (2, ni, nj) of a map that stretches by the active size, with noise in every node."""
     ni, nj = _SIZE
     nodes = np.stack(np.meshgrid(np.arange(ni), np.arange(nj), indexing="ij")).astype(float)
-    return active_size(functional) * (nodes + 0.08 * np.random.default_rng(3).normal(size=nodes.shape))
+    noisy = nodes + 0.08 * np.random.default_rng(3).normal(size=nodes.shape)
+    return np.asarray(active_size(functional) * noisy * np.array(_SPACING)[:, None, None])
 
 
 def _apart(found: Any, expected: Any, floor: float) -> float:  # noqa: ANN401
@@ -36,7 +39,7 @@ def _apart(found: Any, expected: Any, floor: float) -> float:  # noqa: ANN401
 
 def _floor(functional: Functional, nodes: Array) -> float:
     """Return a thousandth of a cell's energy on the random grid, or of 1."""
-    return 1e-3 * abs(kernels(functional, backend="numpy").energy(nodes)[0]) / nodes[0].size or 1e-3
+    return 1e-3 * abs(kernels(functional, backend="numpy").energy(nodes, None, _SPACING)[0]) / nodes[0].size or 1e-3
 
 
 def hessian_kernel(functional: Functional) -> Check:
@@ -56,13 +59,14 @@ def hessian_kernel(functional: Functional) -> Check:
 
     def slope(step: float) -> Array:
         ahead, behind = (
-            gradient(Grid.from_planes(*(nodes + sign * step * move)), functional)[1:-1, 1:-1].ravel()
+            gradient(Grid.from_planes(*(nodes + sign * step * move)), functional, spacing=_SPACING)[1:-1, 1:-1].ravel()
             for sign in (1, -1)
         )
         return np.asarray((ahead - behind) / (2 * step))
 
     with np.errstate(all="ignore"):
-        product = hessian(Grid.from_planes(*nodes), functional) @ np.moveaxis(move, 0, -1)[1:-1, 1:-1].ravel()
+        matrix = hessian(Grid.from_planes(*nodes), functional, spacing=_SPACING)
+        product = matrix @ np.moveaxis(move, 0, -1)[1:-1, 1:-1].ravel()
         differences = np.stack([slope(step) for step in _STEPS])
     if not differences.any() and not product.any():
         return both_zero(name, _HESSIAN_LIMIT)
@@ -98,16 +102,16 @@ def _outputs(kernel: KernelSet, nodes: Array) -> list[Any]:
     fixed = np.ones(_SIZE, dtype=np.uint8)
     fixed[1:-1, 1:-1] = 0
     swept, relaxed = nodes.copy(), nodes.copy()
-    kernel.sweep(swept, None, fixed, 3, floor=0.0)
-    kernel.euler_lagrange_relaxation(relaxed, None, fixed, 3, 0.5)
+    kernel.sweep(swept, None, fixed, 3, _SPACING, floor=0.0)
+    kernel.euler_lagrange_relaxation(relaxed, None, fixed, 3, 0.5, _SPACING)
     return [
-        *kernel.energy_gradient(nodes),
-        kernel.energy(nodes)[0],
-        kernel.hessian(nodes),
-        kernel.hessian(nodes, semidefinite=True),
-        kernel.euler_lagrange_residual(nodes),
-        kernel.euler_lagrange_jacobian(nodes),
-        kernel.euler_lagrange_jacobian(nodes, frozen=True),
+        *kernel.energy_gradient(nodes, None, _SPACING),
+        kernel.energy(nodes, None, _SPACING)[0],
+        kernel.hessian(nodes, None, _SPACING),
+        kernel.hessian(nodes, None, _SPACING, semidefinite=True),
+        kernel.euler_lagrange_residual(nodes, None, _SPACING),
+        kernel.euler_lagrange_jacobian(nodes, None, _SPACING),
+        kernel.euler_lagrange_jacobian(nodes, None, _SPACING, frozen=True),
         swept,
         relaxed,
     ]

@@ -1,8 +1,7 @@
 """The discrete gradient against the Euler–Lagrange residual, to which it must tend at second order.
 
-On a smooth map, magnified so that cells keep their size, the grid is refined until two orders of convergence in a row
-are right: a density of mixed degree, or one with a steep part, comes to its order late. Where both sides vanish, as
-those of a null Lagrangian do, round-off is all that may be left.
+On a smooth map the grid is refined until two orders of convergence in a row are right: a density with a steep part
+comes to its order late. Where both sides vanish, as those of a null Lagrangian do, round-off is all that may be left.
 """
 
 from __future__ import annotations
@@ -116,12 +115,15 @@ def _residual_function(functional: Functional, residual: tuple[Any, Any]) -> Res
 
 
 def _level(functional: Functional, residual: Residual, cells: int, size: float) -> _Level:
-    """Compare gradient and residual on a grid of `cells` squares with cells of about `size`."""
-    nodes, jets = _smooth_map(cells, size * cells)
+    """Compare gradient and residual on a grid of `cells` x `cells` cells, of a map that stretches by about `size`."""
+    spacing = 1.0 / cells, 0.8 / cells
+    nodes, jets = _smooth_map(cells, spacing, size)
     every = cells // _CELLS[0]
     inner = (slice(None), *(slice(every, -every, every),) * 2)
-    kernel, scale = kernels(functional, backend="numpy"), 4 * functional.corner_factor
-    found, moved = (kernel.energy_gradient(place)[2][inner] / scale for place in (nodes, nodes + 0.37 * size * cells))
+    kernel, scale = kernels(functional, backend="numpy"), 4 * functional.corner_factor * spacing[0] * spacing[1]
+    found, moved = (
+        kernel.energy_gradient(place, None, spacing)[2][inner] / scale for place in (nodes, nodes + 0.37 * size)
+    )
     expected = -residual({name: jet[::every, ::every] for name, jet in jets.items()})[:, 1:-1, 1:-1]
     return _Level(
         cells=cells,
@@ -132,12 +134,11 @@ def _level(functional: Functional, residual: Residual, cells: int, size: float) 
     )
 
 
-def _smooth_map(cells: int, scale: float) -> tuple[Array, dict[str, Array]]:
-    """Return x = u + v/5 + sin(2u + v)/7, y = u/10 + 11v/10 + cos(u - 2v)/8 at the nodes, and its derivatives.
+def _smooth_map(cells: int, h: tuple[float, float], scale: float) -> tuple[Array, dict[str, Array]]:
+    """Return x = u + v/5 + sin(2u + v)/7, y = u/10 + 11v/10 + cos(u - 2v)/8 at nodes with steps h, and its derivatives.
 
-    Both are multiplied by `scale`. The derivatives are taken in the coordinates in which cells are unit squares.
+    Both are multiplied by `scale`.
     """
-    h = np.array([1.0, 0.8]) / cells
     u, v = np.meshgrid(h[0] * np.arange(cells + 1), h[1] * np.arange(cells + 1), indexing="ij")
     p, q = 2 * u + v, u - 2 * v
     jets = {
@@ -146,7 +147,6 @@ def _smooth_map(cells: int, scale: float) -> tuple[Array, dict[str, Array]]:
         "x_xixi": -4 * np.sin(p) / 7, "x_xieta": -2 * np.sin(p) / 7, "x_etaeta": -np.sin(p) / 7,
         "y_xixi": -np.cos(q) / 8, "y_xieta": np.cos(q) / 4, "y_etaeta": -np.cos(q) / 2,
     }  # fmt: skip
-    for name in jets:
-        jets[name] *= scale * h[0] ** name.count("xi") * h[1] ** name.count("eta")
+    jets = {name: scale * jet for name, jet in jets.items()}
     nodes = scale * np.stack([u + v / 5 + np.sin(p) / 7, u / 10 + 1.1 * v + np.cos(q) / 8])
     return nodes, jets

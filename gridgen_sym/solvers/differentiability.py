@@ -16,6 +16,7 @@ def missing_derivative(
     functional: Functional,
     parameters: Mapping[str, float] | None,
     coordinates: Array,
+    steps: tuple[float, float],
     values: Mapping[str, Array] | None = None,
 ) -> str | None:
     """Return a sentence on the term that has a value but no derivative at some corners of a grid; None without one.
@@ -24,11 +25,12 @@ def missing_derivative(
         functional: whose density is looked at.
         parameters: its values, where they are not the defaults.
         coordinates: (2, ni, nj).
+        steps: of the logical coordinates.
         values: what else the density is given, by name, at the corners; see `Problem.corner_values`.
     """
     from ..functionals.smoothness import rough_part
 
-    corners, given = _corners(coordinates), dict(values or {})
+    corners, given = _corners(coordinates, steps), dict(values or {})
     target = [given[name] for name in INVERSE_TARGET_NAMES if name in given]
     rough = rough_part(
         functional.expression(),
@@ -48,12 +50,12 @@ def missing_derivative(
     )
 
 
-def _corners(coordinates: Array) -> Array:
-    """Return the edge vectors (x_xi, y_xi, x_eta, y_eta) of all corners of all cells, (4, n).
+def _corners(coordinates: Array, steps: tuple[float, float]) -> Array:
+    """Return (x_xi, y_xi, x_eta, y_eta), edge vectors over the steps, at all corners of all cells, (4, n).
 
     First those at the nodes (i, j) of the cells, then at (i+1, j), (i, j+1) and (i+1, j+1), as in `runtime.Values`.
     """
-    along_xi, along_eta = np.diff(coordinates, axis=1), np.diff(coordinates, axis=2)
+    along_xi, along_eta = np.diff(coordinates, axis=1) / steps[0], np.diff(coordinates, axis=2) / steps[1]
     near, far = slice(None, -1), slice(1, None)
     pairs = [(along_xi[:, :, a], along_eta[:, b]) for a in (near, far) for b in (near, far)]
     return np.concatenate([np.concatenate([first, second]).reshape(4, -1) for first, second in pairs], axis=1)

@@ -15,6 +15,7 @@ from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..grids import Grid
 from .linear.sparse import assemble_hessian
+from .logical import Spacing
 from .problem import make_problem
 
 
@@ -28,11 +29,14 @@ def energy(
     target: Target | Grid | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
+    spacing: Spacing = "unit",
     backend: str | None = None,
 ) -> float:
     """Return the discrete energy, summed over all corners of all cells (or those at inner nodes only).
 
-    Arguments are as in `optimize`.
+    Edge vectors are divided by the logical steps h_xi and h_eta, and the sum is multiplied by h_xi h_eta: on the unit
+    square (`spacing="unit"`) it tends to 4 `corner_factor` times the integral of the density as the grid is refined.
+    With `spacing="index"` the steps are 1, as in the paper's sums. The other arguments are as in `optimize`, too.
     """
     problem = make_problem(
         grid,
@@ -42,6 +46,7 @@ def energy(
         target=target,
         parameters=parameters,
         interior_only=interior_only,
+        spacing=spacing,
         backend=backend,
     )
     return problem.energy(grid.planes)[0]
@@ -58,9 +63,13 @@ def gradient(
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
+    spacing: Spacing = "unit",
     backend: str | None = None,
 ) -> Array:
-    """Return the gradient of the discrete energy in the nodes' positions, (ni, nj, 2), zero at fixed nodes."""
+    """Return the gradient of the discrete energy (see `energy`) in the nodes' positions.
+
+    An array (ni, nj, 2), zero at fixed nodes.
+    """
     problem = make_problem(
         grid,
         functional,
@@ -70,6 +79,7 @@ def gradient(
         fixed=fixed,
         parameters=parameters,
         interior_only=interior_only,
+        spacing=spacing,
         backend=backend,
     )
     return np.stack(tuple(problem.energy_gradient(grid.planes)[2]), axis=-1)
@@ -87,12 +97,13 @@ def hessian(
     parameters: Mapping[str, float] | None = None,
     semidefinite: bool = False,
     interior_only: bool = False,
+    spacing: Spacing = "unit",
     backend: str | None = None,
 ) -> Any:  # noqa: ANN401 - scipy.sparse has no types
     """Return the Hessian of the discrete energy over the free nodes, as a SciPy sparse matrix (CSC).
 
     Component c of the k-th free node (in the order of the array, eta running fastest) is unknown 2 k + c. With
-    `semidefinite`, the positive semidefinite part that the derivation splits off.
+    `semidefinite`, the positive semidefinite part that the derivation splits off. See `energy` for the rest.
     """
     problem = make_problem(
         grid,
@@ -103,6 +114,7 @@ def hessian(
         fixed=fixed,
         parameters=parameters,
         interior_only=interior_only,
+        spacing=spacing,
         backend=backend,
     )
     return assemble_hessian(problem.hessian(grid.planes, semidefinite=semidefinite), problem.fixed)

@@ -38,6 +38,7 @@ def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, re
             problem.values(coordinates),
             fixed,
             color,
+            problem.steps,
             floor=floor,
             reach=reach,
             interior_only=problem.interior_only,

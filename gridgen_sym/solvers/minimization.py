@@ -136,7 +136,11 @@ class Run:
         if outcome.converged or self._has_derivatives(outcome.status):
             return outcome
         reason = missing_derivative(
-            self.functional, self.parameters, self.coordinates, self.problem.corner_values(self.coordinates)
+            self.functional,
+            self.parameters,
+            self.coordinates,
+            self.problem.steps,
+            self.problem.corner_values(self.coordinates),
         )
         return Outcome(Status.NOT_DIFFERENTIABLE, reason) if reason else outcome
 
@@ -174,6 +178,7 @@ class Run:
             history=tuple(self.report.history),
             certificates=proofs,
             untangled_by=self.untangled_by,
+            logical_area=self.problem.logical_area,
         )
 
 

@@ -17,6 +17,7 @@ from ..functionals.registry import functional as find_functional
 from ..grids import Grid
 from ..grids.grid import check_grid
 from .local import sweep_until_converged
+from .logical import LogicalRectangle, Spacing
 from .minimization import Run
 from .newton.minimize import minimize
 from .problem import Problem, make_problem, norm_of
@@ -48,6 +49,7 @@ def optimize(
     max_iterations: int | None = None,
     keep_valid: bool = True,
     interior_only: bool = False,
+    spacing: Spacing = "unit",
     callback: Callback | None = None,
     time_limit: float | None = None,
     progress: bool | None = None,
@@ -77,7 +79,11 @@ def optimize(
         keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals
             never do, except at corners that are not summed.
         interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners. With
-            `keep_valid=False` that is the paper's literal minimum: corners at boundary nodes have no barrier there.
+            `keep_valid=False` and `spacing="index"` that is the paper's literal minimum: corners at boundary nodes have
+            no barrier there.
+        spacing: the logical steps, by which edge vectors along xi and along eta are divided. `unit`: 1/(ni-1) and
+            1/(nj-1), those of the unit square, so that the grid tends to that of the Euler–Lagrange equations as it is
+            refined, and parameters keep their meaning. `index`: steps of 1, the paper's literal sums. Or two numbers.
         callback: called with every `Step`. StopIteration ends the run, which returns the best grid; any other error
             is raised as it is, with the best grid's result as its attribute `result`.
         time_limit: seconds after which the run ends, as soon as a step lets it, and returns the best grid.
@@ -97,6 +103,7 @@ def optimize(
     check_controls(tolerance, max_iterations, callback, time_limit)
     check_grid(grid)
     definition = find_functional(functional)
+    rectangle = LogicalRectangle.of(spacing, grid.shape)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
         return make_problem(
@@ -110,6 +117,7 @@ def optimize(
             interior_only=interior_only,
             guard_summed_only=interior_only and not keep_valid,
             arrays_of=grid.shape,
+            spacing=rectangle,
             backend=backend,
         )
 

@@ -18,7 +18,9 @@ from ..functionals.registry import functional as find_functional
 from ..grids import Grid, corner_jacobians
 from ..grids.grid import check_grid
 from ..runtime import KernelSet, Values, kernels
+from ..runtime.kernel_set import INDEX_STEPS
 from .folds import Folds
+from .logical import LogicalRectangle, Spacing
 from .run.checks import check_size, fixed_mask
 
 
@@ -32,6 +34,7 @@ class Problem:
         inputs: the weight, fields and target that the density is given; None where it needs none.
         interior_only: sum over the corners at inner nodes only, as the paper prints it.
         guard_summed_only: the smallest Jacobian is that of the corners that are summed: others may fold.
+        steps: h_xi and h_eta of the logical coordinates.
     """
 
     kernels: KernelSet
@@ -39,6 +42,7 @@ class Problem:
     inputs: DensityInputs | None
     interior_only: bool = False
     guard_summed_only: bool = False
+    steps: tuple[float, float] = INDEX_STEPS
     _values: Values | None = None
     _inner_fixed: bool = field(init=False)
 
@@ -46,10 +50,16 @@ class Problem:
         """Check once whether inner nodes are fixed: removing their entries takes far longer than those of the sides."""
         self._inner_fixed = bool(self.fixed[1:-1, 1:-1].any())
 
+    @property
+    def logical_area(self) -> float:
+        """Area of the logical rectangle."""
+        ni, nj = self.fixed.shape
+        return float(self.steps[0] * (ni - 1) * self.steps[1] * (nj - 1))
+
     def refresh(self, coordinates: Array) -> None:
         """Evaluate the weight and the fields at the nodes' present positions."""
         if self.inputs is not None and not (self._values is not None and self._is_settled):
-            planes = self.inputs.planes(coordinates, self.kernels.planes)
+            planes = self.inputs.planes(coordinates, self.kernels.planes, self.steps)
             self._values = Values.of(planes, (coordinates.shape[1], coordinates.shape[2]))
 
     @property
@@ -77,13 +87,15 @@ class Problem:
 
     def energy(self, coordinates: Array) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian."""
-        energy, smallest = self.kernels.energy(coordinates, self.values(coordinates), interior_only=self.interior_only)
+        energy, smallest = self.kernels.energy(
+            coordinates, self.values(coordinates), self.steps, interior_only=self.interior_only
+        )
         return energy, self._guarded(coordinates, smallest)
 
     def energy_gradient(self, coordinates: Array, out: Array | None = None) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian and the gradient (2, ni, nj; in `out`), zero at fixed nodes."""
         energy, smallest, gradient = self.kernels.energy_gradient(
-            coordinates, self.values(coordinates), interior_only=self.interior_only, out=out
+            coordinates, self.values(coordinates), self.steps, interior_only=self.interior_only, out=out
         )
         return energy, self._guarded(coordinates, smallest), self.pin(gradient)
 
@@ -103,6 +115,7 @@ class Problem:
         return self.kernels.hessian(
             coordinates,
             self.values(coordinates),
+            self.steps,
             semidefinite=semidefinite,
             interior_only=self.interior_only,
             out=out,
@@ -221,6 +234,7 @@ def make_problem(
     interior_only: bool = False,
     guard_summed_only: bool = False,
     arrays_of: tuple[int, int] | None = None,
+    spacing: Spacing | LogicalRectangle = "unit",
     backend: str | None = None,
 ) -> Problem:
     """Bind a functional to a grid's shape, with checked input.
@@ -228,7 +242,7 @@ def make_problem(
     `arrays_of` is the shape of the grid that arrays of values belong to, where it is a finer one.
 
     Raises:
-        GridgenError: for an unknown functional, bad parameters, bad values or a mask of the wrong shape.
+        GridgenError: for an unknown functional, bad parameters, values or spacing, or a mask of the wrong shape.
     """
     check_grid(grid)
     check_size(grid)
@@ -239,6 +253,7 @@ def make_problem(
     )
     kernel_set = kernels(definition, inputs.variant, parameters, backend)
     given = inputs if kernel_set.planes else None
-    problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only)
+    steps = LogicalRectangle.of(spacing, grid.shape).steps(grid.shape)
+    problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only, steps)
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem

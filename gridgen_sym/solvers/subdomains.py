@@ -49,7 +49,10 @@ def folded_nodes(coordinates: Array, fixed: Mask) -> npt.NDArray[np.bool_]:
 
 
 def restrict(problem: Problem, coordinates: Array, window: tuple[slice, slice]) -> tuple[Problem, Array]:
-    """Return the problem on a rectangle of nodes, without a weight and with fixed sides, and a copy of its nodes."""
+    """Return the problem on a rectangle of nodes, without a weight, with fixed sides, and a copy of its nodes.
+
+    The steps of the logical coordinates are those of the whole.
+    """
     fixed = problem.fixed[window].copy()
     fixed[[0, -1]], fixed[:, [0, -1]] = 1, 1
-    return Problem(problem.kernels, fixed, None), np.ascontiguousarray(coordinates[:, *window])
+    return Problem(problem.kernels, fixed, None, steps=problem.steps), np.ascontiguousarray(coordinates[:, *window])

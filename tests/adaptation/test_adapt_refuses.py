@@ -85,7 +85,7 @@ def test_solutions_that_cannot_be_used_are_refused(solution, match):
 @pytest.mark.parametrize(
     ("size", "options", "match"),
     [
-        (1e-29, {}, r"cells have a mean area of 1.56e-60, .* overflows: scale the grid to a size of about 1"),
+        (1e-29, {}, r"the grid has an area of 1e-58, .* overflows: scale the grid to a size of about 1"),
         (
             1.0,
             {"weight_exponent": 2000},

@@ -23,9 +23,9 @@ def test_the_density_is_equidistributed(name):
 
 
 def test_weights_of_known_exponents_and_of_ones_own():
-    """Where the cells' areas are a, and the density over its mean r: r^p/a^q, and r^p for a power that is given."""
+    """Where the grid's area is a, and the density over its mean r: r^p/a^q, and r^p for a power that is given."""
     grid = gg.Grid(0.5 * square(5).xy)
-    area, density = 0.5**2 / 16, np.full((5, 5), 3.0)
+    area, density = 0.5**2, np.full((5, 5), 3.0)
     density[2, 2] = 19.0  # The mean over the cells is 4.
     for name, power, expected in (
         ("area", None, density / 4 / area**2),

@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy
-from support_fields import CONTROLLED, DVINSKY, PLACED, at_corners, corner_matrices, logical, metric
+from support_fields import (
+    CONTROLLED,
+    DVINSKY,
+    PLACED,
+    at_corners,
+    logical,
+    map_matrices,
+    metric,
+    sum_over_corners,
+)
 from support_solvers import (
     BACKENDS,
     disordered,
@@ -126,10 +135,9 @@ def test_every_form_of_a_logical_field_is_one(source):
 def test_every_place_may_be_named():
     grid = mild_grid()
     (x, y), (xi, eta) = ([at_corners(plane) for plane in planes] for planes in (grid.planes, logical(grid.shape)))
-    own = metric(corner_matrices(grid))
+    own = metric(map_matrices(grid))
     terms = ((2 + x**2) * own["g11"] + (1 + xi * eta + y) * own["g22"]) / own["J"]
-    ratio = gg.energy(grid, PLACED, backend="numpy") / gg.energy(grid, "winslow")
-    assert ratio == pytest.approx(terms.sum() / ((own["g11"] + own["g22"]) / own["J"]).sum(), rel=1e-12)
+    assert sum_over_corners(grid, PLACED, backend="numpy") == pytest.approx(terms.sum(), rel=1e-12)
     gradient = gg.gradient(grid, PLACED, backend="numpy")
     assert relative(gradient, energy_differences(grid, PLACED, 1e-6, backend="numpy")) < 1e-6
 
@@ -428,6 +436,6 @@ def test_a_field_that_ends_on_the_way_ends_steps_and_not_the_run():
 
 
 def test_a_field_without_a_derivative_is_named_by_its_term():
-    functional = gg.define("kinked", "g11 + g22 + sqrt(abs(p*J - 1/64))", fields={"p": "scalar"})
+    functional = gg.define("kinked", "g11 + g22 + sqrt(abs(p*J - 1))", fields={"p": "scalar"})
     result = gg.optimize(gg.domain("square", 9, 9), functional, fields={"p": np.ones((9, 9))}, backend="numpy")
     assert "the functional kinked has no derivative at this grid: the term sqrt(Abs" in result.message

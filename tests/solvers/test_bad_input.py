@@ -205,8 +205,10 @@ def test_controls_of_another_type_are_refused(solve, options):
     ids=repr,
 )
 def test_a_spacing_that_means_nothing_is_refused(spacing):
-    with pytest.raises(gg.GridgenError, match="spacing must be"):
+    with pytest.raises(gg.GridgenError, match="spacing is 'unit', 'index' or two positive numbers"):
         gg.solve_euler_lagrange(mild_grid(), "length", spacing=spacing)
+    with pytest.raises(gg.GridgenError, match="spacing is 'unit', 'index' or two positive numbers"):
+        gg.optimize(mild_grid(), "length", spacing=spacing)
 
 
 @FEW

@@ -41,15 +41,17 @@ def test_a_missing_second_derivative_is_named_where_no_step_is_found(clean_regis
 
 
 def test_corners_are_counted():
-    planes = gg.domain("square", 5, 5).planes.copy()
-    assert f"{KINK} is not smooth at 64 of 64 corners" in missing_derivative(Functional("kink", KINK), None, planes)
+    kink = Functional("kink", KINK)
+    planes, steps = gg.domain("square", 5, 5).planes.copy(), (0.25, 0.25)
+    assert f"{KINK} is not smooth at 64 of 64 corners" in missing_derivative(kink, None, planes, steps)
     planes[0, 2, 2] += 0.01
-    assert f"{KINK} is not smooth at 52 of 64 corners" in missing_derivative(Functional("kink", KINK), None, planes)
-    assert missing_derivative(Functional("smooth", "g11**2"), None, planes) is None
+    assert f"{KINK} is not smooth at 52 of 64 corners" in missing_derivative(kink, None, planes, steps)
+    assert missing_derivative(Functional("smooth", "g11**2"), None, planes, steps) is None
 
 
 def test_parameters_are_those_of_the_run():
     functional = Functional("shifted", "sqrt(abs(J - k))", parameters={"k": 2.0})
     planes = np.stack(np.meshgrid(np.arange(4.0), np.arange(4.0), indexing="ij"))
-    assert missing_derivative(functional, None, planes) is None
-    assert "sqrt(Abs(J - k))" in missing_derivative(functional, {"k": 1.0}, planes)
+    assert missing_derivative(functional, None, planes, (1.0, 1.0)) is None
+    assert "sqrt(Abs(J - k))" in missing_derivative(functional, {"k": 1.0}, planes, (1.0, 1.0))
+    assert "sqrt(Abs(J - k))" in missing_derivative(functional, None, planes, (1.0, 0.5))

@@ -43,9 +43,9 @@ def residual_function(name):
     return sympy.lambdify([*first, *second.values()], equations, "numpy")
 
 
-def residual_norm(grid, name, spacing=(1.0, 1.0)):
-    """Return the norm of the residual by central differences at the inner nodes."""
-    h, k = spacing
+def residual_norm(grid, name):
+    """Return the norm of the residual on the unit square by central differences at the inner nodes."""
+    h, k = (1 / (count - 1) for count in grid.shape)
     mid = grid.planes[:, 1:-1, 1:-1]
     west, east, south, north = (
         grid.planes[:, :-2, 1:-1],

@@ -19,7 +19,8 @@ def pinched(x, y):
 @pytest.mark.parametrize("start", [(0.5, 0.75), (0.4, 0.8), (0.5, 0.5)])
 @pytest.mark.parametrize("method", ["newton", "local"])
 def test_the_literal_minimum_has_a_folded_corner_at_a_boundary_node(start, method):
-    result = gg.optimize(pinched(*start), "winslow", method, interior_only=True, keep_valid=False, tolerance=1e-9)
+    options = {"interior_only": True, "keep_valid": False, "spacing": "index"}
+    result = gg.optimize(pinched(*start), "winslow", method, **options, tolerance=1e-9)
     assert result.converged
     assert (result.grid.x[1, 1], result.grid.y[1, 1]) == pytest.approx((0.310, 0.676), abs=5e-4)
     assert result.energy == pytest.approx(17.25, abs=5e-3)

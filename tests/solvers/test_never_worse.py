@@ -174,5 +174,9 @@ def test_a_finer_start_keeps_the_boundary_and_folds_nothing_where_cells_are_halv
 
 
 def test_the_energy_per_corner_of_squares_is_two():
-    assert gg.optimize(gg.domain("square", 5, 9), "winslow", max_iterations=0).energy_per_corner == pytest.approx(2.5)
-    assert gg.optimize(gg.domain("square", 9, 9), "winslow").energy_per_corner == pytest.approx(2.0)
+    flat = gg.domain("square", 5, 9)
+    assert gg.optimize(flat, "winslow", max_iterations=0).energy_per_corner == pytest.approx(2.0)
+    assert gg.optimize(flat, "winslow", max_iterations=0, spacing="index").energy_per_corner == pytest.approx(2.5)
+    for spacing in ("unit", "index", (0.3, 0.3)):
+        result = gg.optimize(gg.domain("square", 9, 9), "winslow", spacing=spacing)
+        assert result.energy_per_corner == pytest.approx(2.0)

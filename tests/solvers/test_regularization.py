@@ -104,7 +104,7 @@ def test_a_regularized_problem_has_no_barrier_no_weight_and_all_corners():
     assert not regular.interior_only
     assert np.array_equal(regular.fixed, problem.fixed)
     k = {"k": 1e-3}
-    plain = make_problem(grid, definition, parameters=k).energy(grid.planes)[0]
+    plain = make_problem(grid, definition, parameters=k, spacing="index").energy(grid.planes)[0]
     sharp, blunt = (regularized(problem, definition, k, epsilon).energy(grid.planes)[0] for epsilon in (1e-12, 1.0))
     assert sharp == pytest.approx(plain)
     assert blunt != pytest.approx(plain, rel=0.1)

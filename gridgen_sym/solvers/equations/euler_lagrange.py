@@ -2,7 +2,7 @@
 
 Newton's method uses the generated Jacobian; relaxation holds the coefficients of the second derivatives while every
 node solves its own equations: for the Winslow functional this is what the literature calls the Winslow or TTM solver.
-Logical coordinates have unit spacing, as the discrete functionals do; see `spacing`.
+Logical coordinates are in the unit square, as in the discrete functionals; see `spacing`.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from ...functionals.definition import Functional
 from ...functionals.registry import functional as find_functional
 from ...grids import Grid, corner_jacobians, folded_corners
 from ...grids.grid import check_grid
+from ..logical import LogicalRectangle, Spacing
 from ..minimization import Run
 from ..newton.minimize import minimize
 from ..problem import Problem, make_problem
@@ -55,7 +56,7 @@ def solve_euler_lagrange(
     tolerance: float = 1e-8,
     max_iterations: int | None = None,
     relaxation: float | None = None,
-    spacing: tuple[float, float] = (1.0, 1.0),
+    spacing: Spacing = "unit",
     keep_valid: bool = True,
     callback: Callback | None = None,
     time_limit: float | None = None,
@@ -80,7 +81,7 @@ def solve_euler_lagrange(
         max_iterations: Newton steps, or sweeps.
         relaxation: factor of a relaxation step; by default that which is best for Laplace's equation, and less
             where it diverges.
-        spacing: of the logical coordinates; (1/(ni-1), 1/(nj-1)) for the unit square. It matters only where a
+        spacing: the logical steps, as in `optimize`: `unit`, `index` or two numbers. It matters only where the
             functional is not homogeneous in each direction.
         keep_valid: from a valid start, return a valid grid: Newton's method takes no step that folds a cell, and where
             relaxation ends in a folded solution, the best valid grid on the way is returned. The message says so. With
@@ -97,9 +98,10 @@ def solve_euler_lagrange(
     if method not in ("newton", "relaxation"):
         raise GridgenError(f"unknown method {quoted(method)}: solve_euler_lagrange takes 'newton' or 'relaxation'")
     check_controls(tolerance, max_iterations, callback, time_limit)
-    _check_numbers(spacing, relaxation)
-    check_grid(grid)
+    _check_relaxation(relaxation)
     definition = find_functional(functional)
+    check_grid(grid)
+    rectangle = LogicalRectangle.of(spacing, grid.shape)
 
     def make(on: Grid, inside: npt.ArrayLike | None = None) -> Problem:
         return make_problem(
@@ -111,6 +113,7 @@ def solve_euler_lagrange(
             fixed=inside,
             parameters=parameters,
             arrays_of=grid.shape,
+            spacing=rectangle,
             backend=backend,
         )
 
@@ -118,7 +121,7 @@ def solve_euler_lagrange(
     title = f"Euler–Lagrange equations of {definition.name}"
     with Progress(title, callback, progress, Deadline(time_limit)) as report:
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
-        equations = Equations(run.problem, spacing)
+        equations = Equations(run.problem)
 
         def solve() -> Outcome:
             if method == "newton" and run.problem.kernels.barrier and limit and not _bring_near(run):
@@ -160,12 +163,8 @@ def _bring_near(run: Run) -> bool:
     return True
 
 
-def _check_numbers(spacing: tuple[float, float], relaxation: float | None) -> None:
-    """Refuse a spacing that is not two positive numbers, or a relaxation that must diverge."""
-    given = np.asarray(spacing, dtype=object).ravel()
-    numbers = [isinstance(value, (int, float, np.number)) and 0 < value < np.inf for value in given]
-    if numbers != [True, True]:
-        raise GridgenError(f"spacing must be two positive numbers, along xi and along eta; came {quoted(spacing)}")
+def _check_relaxation(relaxation: float | None) -> None:
+    """Refuse a relaxation that must diverge."""
     if relaxation is not None and not (isinstance(relaxation, (int, float, np.number)) and 0 < relaxation < 2):
         raise GridgenError(f"expected a relaxation between 0 and 2; came {quoted(relaxation)}")
 

@@ -45,7 +45,7 @@ def solve_by_relaxation(
             safe, safe_norm = coordinates.copy(), norm
         for color in range(4):
             problem.kernels.euler_lagrange_relaxation(
-                coordinates, problem.values(coordinates), problem.fixed, color, strength, equations.spacing
+                coordinates, problem.values(coordinates), problem.fixed, color, strength, problem.steps
             )
         problem.refresh(coordinates)
         before = norm

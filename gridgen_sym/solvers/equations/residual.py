@@ -16,27 +16,25 @@ class Equations:
     """Residual and Jacobian as functions of the coordinates, and the best grids that an iteration has seen.
 
     Attributes:
-        problem: kernels, values and fixed nodes.
-        spacing: of the logical coordinates.
+        problem: kernels, values, fixed nodes and the steps of the logical coordinates.
         best: of all grids (False) and of the valid ones (True): the residual's norm and the coordinates.
     """
 
     problem: Problem
-    spacing: tuple[float, float]
     best: dict[bool, tuple[float, Array]] = field(default_factory=dict)
     _planes: Array | None = None
 
     def residual(self, coordinates: Array) -> Array:
         """Return the residual (2, ni, nj), zero at fixed nodes."""
         residual = self.problem.kernels.euler_lagrange_residual(
-            coordinates, self.problem.values(coordinates), self.spacing
+            coordinates, self.problem.values(coordinates), self.problem.steps
         )
         return self.problem.pin(residual)
 
     def jacobian(self, coordinates: Array) -> Array:
         """Return the planes (36, ni, nj) of the Jacobian, in memory that the next call writes to again."""
         self._planes = self.problem.kernels.euler_lagrange_jacobian(
-            coordinates, self.problem.values(coordinates), self.spacing, out=self._planes
+            coordinates, self.problem.values(coordinates), self.problem.steps, out=self._planes
         )
         return self._planes
 

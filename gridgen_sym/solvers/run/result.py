@@ -48,6 +48,8 @@ class Result:
             these, it may be the one of `sliver_certificate`, that every valid grid has a sliver.
         untangled_by: the name of the strategy that made a folded start valid; empty where the start was valid, or the
             result is folded.
+        logical_area: of the rectangle that the grid is a map of: 1 for the unit square, the number of cells with
+            `spacing="index"`.
     """
 
     grid: Grid
@@ -59,6 +61,7 @@ class Result:
     history: tuple[Step, ...]
     certificates: tuple[Certificate, ...] = ()
     untangled_by: str = ""
+    logical_area: float = 1.0
 
     @property
     def stopped_by(self) -> StopReason | None:
@@ -77,9 +80,8 @@ class Result:
 
     @property
     def energy_per_corner(self) -> float:
-        """The energy over the number of corners of all cells; for `winslow`, 2 is a grid of squares."""
-        ni, nj = self.grid.shape
-        return self.energy / (4 * (ni - 1) * (nj - 1))
+        """The mean energy of the corners of all cells; for `winslow`, 2 is a conformal map of the unit square."""
+        return self.energy / (4 * self.logical_area)
 
     def __str__(self) -> str:
         """Report in one line how it ended."""

@@ -204,8 +204,8 @@ ERRATA = (
             r"nodes are in no sum. On $3 \times 3$ nodes of the unit square whose lower middle node is at "
             r"$(0.15, 0.5)$, the minimum of the Winslow sum has a corner with $J < 0$ at that node, although a valid "
             r"grid with this boundary exists: the minimum of the sum over all corners is one. The program "
-            r"sums over all corners of all cells; with `interior_only=True, keep_valid=False` it returns the paper's "
-            r"literal minimum."
+            r"sums over all corners of all cells; with `interior_only=True, keep_valid=False, spacing='index'` it "
+            r"returns the paper's literal minimum."
         ),
     ),
     Erratum(
