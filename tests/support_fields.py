@@ -8,14 +8,14 @@ import gridgen_sym as gg
 from gridgen_sym.functionals import Functional
 
 DVINSKY = Functional(
-    "dvinsky",
+    "mapped",
     "(M11*(x_xi**2 + x_eta**2) + 2*M12*(x_xi*y_xi + x_eta*y_eta) + M22*(y_xi**2 + y_eta**2))"
     "/(sqrt(M11*M22 - M12**2)*J)",
     fields={"M": "symmetric"},
 )
 #: Thomas and Middlecoff's control functions: the grid of a rectangle is x = X(xi), y = Y(eta) with p = X', q = Y'.
 CONTROLLED = Functional(
-    "controlled", "(g11*q**2 + g22*p**2)/J", fields={"p": "scalar", "q": "scalar"}, constraints=("p > 0", "q > 1e-3")
+    "spread", "(g11*q**2 + g22*p**2)/J", fields={"p": "scalar", "q": "scalar"}, constraints=("p > 0", "q > 1e-3")
 )
 #: Names every place, and the metric of a target beside the true one.
 PLACED = Functional("placed", "((1 + x**2)*g11 + (1 + xi*eta)*g22 + t11 + y*t22)/J")

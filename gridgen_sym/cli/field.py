@@ -1,21 +1,75 @@
-"""A field on the command line: a formula, or a file with a raster, samples or nodal values."""
+"""Fields and targets on the command line: formulas, or files with a raster, samples, nodal values or a grid."""
 
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..atomic import read_bytes
 from ..errors import GridgenError, quoted, shortened
 
 if TYPE_CHECKING:
+    from ..fields import Field, Target
     from ..fields.scalar import Source
 
 _ARRAYS = "expected the arrays x (nx,), y (ny,) and values (nx, ny), or values (ni, nj) at the nodes of the start"
 _SAMPLES = "expected the header x,y,value and one sample per line"
 #: A cubic needs so many samples; its slopes are what most monitors look at.
 _FEWEST_SMOOTH = 4
+_FIELD = (
+    "--field is written NAME=VALUE, NAME:logical=VALUE or NAME:differentiated=VALUE, such as M='(1 + x**2, 0, 1)' or "
+    "p:logical='1 + xi'"
+)
+_TARGET = (
+    "--target takes a grid file (.vts, .xyz, .csv, .npz or .cgns), or formulas in xi and eta: 'w1, w2' or 'w1, w2, "
+    "angle'"
+)
+
+
+def fields_of(texts: Iterable[str]) -> dict[str, Field]:
+    """Return the fields that texts such as `M=(1 + x**2, 0, 1)` give, by name.
+
+    Raises:
+        GridgenError: for other texts, a name that comes twice, or a file that cannot be read.
+    """
+    from ..fields import Field
+
+    found: dict[str, Field] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        name, colon, how = (part.strip() for part in name.partition(":"))
+        if not (name.isidentifier() and equals and value.strip()) or (
+            colon and how not in ("logical", "differentiated")
+        ):
+            raise GridgenError(f"{_FIELD}; came {quoted(text)}")
+        if name in found:
+            raise GridgenError(f"--field gives {name} twice: give each field once")
+        smooth = how == "differentiated"
+        parts = [_source(part, smooth=smooth) for part in _parts(value)]
+        source: Any = parts[0] if len(parts) == 1 else tuple(parts)
+        found[name] = Field(source, "logical" if how == "logical" else "physical", how if smooth else "frozen")  # type: ignore[arg-type]
+    return found
+
+
+def target_of(text: str | None) -> Target | None:
+    """Return the target that `--target` gives: the cells of a grid file, or two lengths and an angle.
+
+    Raises:
+        GridgenError: for anything else, or a file that cannot be read.
+    """
+    from ..fields import Target
+    from ..io import known_suffixes, read
+
+    if text is None:
+        return None
+    parts = _parts(text)
+    if len(parts) in (2, 3):
+        return Target(*parts)
+    if len(parts) == 1 and Path(text).suffix.lower() in known_suffixes():
+        return Target.of(read(text))
+    raise GridgenError(f"{_TARGET}; came {quoted(text)}")
 
 
 def field_of(text: str, *, smooth: bool) -> Source:
@@ -28,6 +82,27 @@ def field_of(text: str, *, smooth: bool) -> Source:
     Raises:
         GridgenError: for a file that cannot be read, or holds something else.
     """
+    found = _source(text, smooth=smooth)
+    if isinstance(found, tuple):
+        raise GridgenError(f"cannot read the field {text}: it has {len(found)} values per sample, and one is wanted")
+    return found
+
+
+def _parts(text: str) -> list[str]:
+    """Return the parts of a text between commas that stand in no parentheses but those around the whole."""
+    text = text.strip()
+    depths, depth = [], 0
+    for sign in text:
+        depth += (sign == "(") - (sign == ")")
+        depths.append(depth)
+    if text.startswith("(") and 0 in depths and depths.index(0) == len(text) - 1:
+        return _parts(text[1:-1])
+    cuts = [k for k, sign in enumerate(text) if sign == "," and depths[k] == 0]
+    return [text[a + 1 : b].strip() for a, b in zip([-1, *cuts], [*cuts, len(text)], strict=True)]
+
+
+def _source(text: str, *, smooth: bool) -> Any:  # noqa: ANN401
+    """Return a formula as it is, and what a file holds; a tuple of what has several values per sample."""
     suffix = Path(text).suffix.lower()
     if suffix not in (".npz", ".csv"):
         return text
@@ -38,24 +113,28 @@ def field_of(text: str, *, smooth: bool) -> Source:
         raise GridgenError(f"cannot read the field {text}: {error}") from error
 
 
-def _arrays(data: bytes, smooth: bool) -> Source:
+def _arrays(data: bytes, smooth: bool) -> Any:  # noqa: ANN401
     from ..fields import raster_field
     from ..io.npz import read_arrays
 
     arrays = read_arrays(data, (("x", "y", "values"), ("values",)), _ARRAYS)
     if "x" not in arrays:
         return arrays["values"]
-    enough = min(arrays["x"].size, arrays["y"].size) >= _FEWEST_SMOOTH
-    return raster_field(arrays["x"], arrays["y"], arrays["values"], smooth=smooth and enough)
+    x, y, values = (arrays[name] for name in ("x", "y", "values"))
+    cubic = smooth and min(x.size, y.size) >= _FEWEST_SMOOTH
+    if values.ndim == 3:
+        return tuple(raster_field(x, y, one, smooth=cubic) for one in values)
+    return raster_field(x, y, values, smooth=cubic)
 
 
-def _samples(data: bytes, smooth: bool) -> Source:
+def _samples(data: bytes, smooth: bool) -> Any:  # noqa: ANN401
     import numpy as np
 
     from ..fields import scattered_field
 
     header, _, rows = data.decode("utf-8-sig", errors="replace").partition("\n")
-    if header.strip().lower().replace(" ", "") != "x,y,value":
+    columns = header.strip().lower().replace(" ", "").split(",")
+    if columns != ["x", "y", "value"] and (columns[:2] != ["x", "y"] or len(columns) < 4):
         raise GridgenError(f"it begins with {quoted(header.strip())}; {_SAMPLES}")
     if not rows.strip():
         raise GridgenError(f"it has a header and no samples; {_SAMPLES}")
@@ -63,6 +142,7 @@ def _samples(data: bytes, smooth: bool) -> Source:
         samples = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2)
     except ValueError as error:
         raise GridgenError(f"{shortened(error)}; {_SAMPLES}") from error
-    if samples.shape[1:] != (3,):
+    if samples.shape[1:] != (len(columns),):
         raise GridgenError(f"it has {samples.shape[1]} columns; {_SAMPLES}")
-    return scattered_field(samples[:, :2], samples[:, 2], smooth=smooth)
+    made = tuple(scattered_field(samples[:, :2], one, smooth=smooth) for one in samples[:, 2:].T)
+    return made if len(made) > 1 else made[0]

@@ -11,7 +11,7 @@ import click
 
 from ..errors import GridgenError
 from .base import functionals_option
-from .field import field_of
+from .field import field_of, fields_of, target_of
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
@@ -48,6 +48,22 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     help="Hold the weight at the nodes, or differentiate through it.  [default: frozen]",
 )
 @click.option("--allow-negative-weight", is_flag=True, help="Accept a weight that is negative somewhere.")
+@click.option(
+    "--field",
+    "fields",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Values of a field that the functional declares: a formula in x and y, several in parentheses, or a file as "
+    "for --weight (with the components along the first axis of 'values', or in columns after x,y): "
+    "M='(1 + x**2, 0, 1)'. NAME:logical=VALUE is a formula in xi and eta; NAME:differentiated=VALUE belongs to the "
+    "energy. May be repeated.",
+)
+@click.option(
+    "--target",
+    metavar="TARGET",
+    help="What cells should be like: a grid file of the same size (its cells), or two edge lengths and an angle in "
+    "degrees, formulas in xi and eta: '0.01*(1 + xi), 0.02, 90'.",
+)
 @click.option(
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter. May be repeated."
 )
@@ -102,6 +118,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     given = {key: options[key] for key in passed if options[key] is not None}
     given["parameters"] = parameters_of(name, options["parameters"])
     given["weight"] = _weight(options["weight"], options["weight_mode"], options["allow_negative_weight"])
+    given["fields"], given["target"] = fields_of(options["fields"]), target_of(options["target"])
     if quiet:
         given["progress"] = False
     if solver in ("newton", "local"):

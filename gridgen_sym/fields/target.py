@@ -38,9 +38,9 @@ class Target:
     w1: Any
     w2: Any
     angle: Any = 90.0
-    _matrix: Components | None = None
     parts: tuple[ScalarField, ...] = field(init=False, repr=False)
-    shape: tuple[int, int] | None = None
+    shape: tuple[int, int] | None = field(default=None, kw_only=True)
+    _matrix: Components | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         """Read formulas."""
@@ -75,7 +75,7 @@ class Target:
                 corner, as for a `Field` of the kind `matrix`.
             domain: `logical`: functions are of xi and eta; `physical`: of x and y, evaluated again between steps.
         """
-        return cls(None, None, None, components_of(Field(source, domain), "W", "matrix", "the target"))
+        return cls(None, None, None, _matrix=components_of(Field(source, domain), "W", "matrix", "the target"))
 
     @property
     def domain(self) -> Domain:

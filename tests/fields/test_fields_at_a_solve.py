@@ -169,14 +169,13 @@ def test_a_frozen_field_is_held(backend):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_a_field_a_weight_and_a_target_go_together(backend):
+def test_a_field_a_weight_and_a_target_go_together():
     grid, wanted = mild_grid(5, 6), mild_grid(5, 6, disorder=0.1)
     options = {
         "fields": {"M": gg.Field(SMOOTH, mode="differentiated")},
         "weight": gg.Weight("1 + x*y", "differentiated"),
         "target": gg.Target.of(wanted),
-        "backend": backend,
+        "backend": "numpy",
     }
     gradient = gg.gradient(grid, DVINSKY, **options)
     assert relative(gradient, energy_differences(grid, DVINSKY, 1e-6, **options)) < 1e-6
@@ -232,22 +231,21 @@ def test_control_functions_give_the_tensor_grid_of_a_rectangle():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["swan", "quarter_annulus"])
 @pytest.mark.parametrize(
-    ("density", "fields"),
+    ("name", "density", "fields"),
     [
-        ("(1 + 0.5*sin(3*x))*(g11 + g22)/J", {}),
-        ("(g11*(1 + xi) + g22)/J", {}),
-        ("(p*g11 + q*g22)/J", {"p": "scalar", "q": "scalar"}),
-        ("max(g11, g22)/J + (g11 + g22)/J", {}),
-        (DVINSKY.density, {"M": "symmetric"}),
+        ("swan", "(1 + 0.5*sin(3*x))*(g11 + g22)/J", {}),
+        ("quarter_annulus", "(g11*(1 + xi) + g22)/J", {}),
+        ("quarter_annulus", "(p*g11 + q*g22)/J", {"p": "scalar", "q": "scalar"}),
+        ("swan", "(g11 + g22)/J + 5*max(0, g12/J)**2", {}),
+        ("swan", DVINSKY.density, {"M": "symmetric"}),
     ],
     ids=["x", "xi", "two scalars", "max", "tensor"],
 )
-def test_densities_of_everything_are_minimized_without_a_fold(density, fields, name):
+def test_densities_of_everything_are_minimized_without_a_fold(name, density, fields):
     functional = gg.define("one_of_all", density, fields=fields)
     values = {"p": "1 + x**2", "q": gg.Field("1 + eta", domain="logical"), "M": ("2 + sin(x)", "0.5", "2 - sin(y)")}
-    start = gg.domain(name, 17, 17)
+    start = gg.domain(name, 15, 15)
     result = gg.optimize(start, functional, fields={key: values[key] for key in fields}, backend="numpy")
     assert result.quality.valid, result.message
     assert result.converged, result.message
@@ -384,12 +382,12 @@ def test_bad_tensors_are_refused_with_their_place_and_the_repair(field, match):
 @pytest.mark.parametrize(
     ("fields", "match"),
     [
-        (None, r"'controlled' needs values of the field p \(scalar\): give fields=\{'p': \.\.\.\}"),
+        (None, r"'spread' needs values of the field p \(scalar\): give fields=\{'p': \.\.\.\}"),
         ({"p": 1}, r"needs values of the field q"),
         ({"p": 1, "q": 1, "r": 2}, r"has no field 'r'; it declares p \(scalar\), q \(scalar\)"),
         ({"p": 1, "q": 1, "s": 2}, "has no field 's'.*give the weight as weight="),
         ([1, 2], "fields must map names to values"),
-        ({"p": "x - 0.5", "q": 1}, r"'controlled' needs p > 0; at node \(0, 0\), x = 0, y = 0 came p = -0.5: change"),
+        ({"p": "x - 0.5", "q": 1}, r"'spread' needs p > 0; at node \(0, 0\), x = 0, y = 0 came p = -0.5: change"),
         ({"p": 1, "q": 1e-4}, r"needs q > 1e-3; at node \(0, 0\).*q = 0.0001: change the field q there"),
         ({"p": gg.Field("xi - 0.5", domain="logical"), "q": 1}, r"p > 0; at node \(0, 0\), xi = 0, eta = 0"),
         ({"p": -np.ones((4, 8, 7)), "q": 1}, r"needs p > 0; at corner \(0, 0, 0\), x = 0, y = 0 came p = -1"),
