@@ -7,63 +7,17 @@ import re
 
 #: Commands of LaTeX and amsmath.
 COMMANDS = frozenset(
-    [
-        "section",
-        "subsection",
-        "label",
-        "texttt",
-        "cite",
-        "begingroup",
-        "endgroup",
-        "allowdisplaybreaks",
-        "begin",
-        "end",
-        "notag",
-        "eqref",
-        "frac",
-        "partial",
-        "xi",
-        "eta",
-        "varepsilon",
-        "chi",
-        "tau",
-        "det",
-        "left",
-        "right",
-        "bigl",
-        "bigr",
-        "Bigl",
-        "Bigr",
-        "quad",
-        "sqrt",
-        "int",
-        "exp",
-        "log",
-        "sin",
-        "cos",
-        "tan",
-        "sinh",
-        "cosh",
-        "tanh",
-        "max",
-        "min",
-        "operatorname",
-        "mathrm",
-        "text",
-        "neq",
-        "ge",
-        "le",
-        "to",
-        "infty",
-        "cdot",
-        "surd",
-        "textbackslash",
-        "textasciitilde",
-    ]
+    re.findall(
+        r"\w+",
+        """section subsection label texttt cite begingroup endgroup allowdisplaybreaks begin end notag eqref frac
+        partial xi eta theta varepsilon chi tau det left right bigl bigr Bigl Bigr quad sqrt int exp log sin cos tan
+        sinh cosh tanh max min operatorname mathrm text neq ge le to infty cdot surd textbackslash textasciitilde""",
+    )
 )
 ENVIRONMENTS = frozenset(["equation", "split", "align", "subequations", "bmatrix", "cases"])
 _TOKEN = re.compile(r"\\left\||\\right\||\\[a-zA-Z]+|\\.|\d+\.?\d*|[a-zA-Z]|\S")
 _SILENT = ("\\left", "\\right", "\\bigl", "\\bigr", "\\Bigl", "\\Bigr", "\\,")
+_ENDS = ("", "+", "-", "/", ")", "}", "\\right|", ",", "&", "<", ">", "\\\\", "\\text", "\\end")
 _FUNCTIONS = {
     "\\log": math.log,
     "\\sin": math.sin,
@@ -156,7 +110,7 @@ class Value:
 
     def product(self):
         result = self.power()
-        while self.peek() not in ("", "+", "-", "/", ")", "}", "\\right|"):
+        while self.peek() not in _ENDS:
             result *= self.power()
         return result
 
@@ -191,12 +145,40 @@ class Value:
         if token == "\\operatorname":
             name = "".join(self.take() for _ in range(self.tokens.index("}", self.at) - self.at + 1))
             return _FUNCTIONS[name[1:-1]](self.atom())
+        if token in ("\\max", "\\min"):
+            power = self.group() if self.peek() == "^" and self.take() else 1.0
+            return {"\\max": max, "\\min": min}[token](self.arguments()) ** power
+        if token == "\\begin":
+            return self.cases()
         if token in _FUNCTIONS:
             return _FUNCTIONS[token](self.atom())
         if token == "e" and self.peek() == "^":
             self.take()
             return math.exp(self.group())
         return float(token) if token[0].isdigit() else self.values[self.name(token.lstrip("\\"))]
+
+    def arguments(self):
+        """Return the values of what is in brackets, separated by commas."""
+        assert self.take() == "("
+        values = [self.sum()]
+        while self.take() == ",":
+            values.append(self.sum())
+        return values
+
+    def cases(self):
+        """Return the value of an environment `cases` with one comparison."""
+        self.skip("{cases}")
+        first = self.sum()
+        self.skip(r"&\text{if}")
+        left, sign, right = self.sum(), self.take(), self.sum()
+        self.skip(r"\\")
+        second = self.sum()
+        self.skip(r"&\text{otherwise}\end{cases}")
+        return first if (left < right if sign == "<" else left > right) else second
+
+    def skip(self, text):
+        for token in _TOKEN.findall(text):
+            assert self.take() == token
 
     def name(self, head):
         """Return the name in the code of a symbol with its subscript."""

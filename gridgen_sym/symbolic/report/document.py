@@ -76,7 +76,7 @@ def _parts(functional: Functional) -> Iterator[str]:
     yield _notation(equations)
     integral = one(Equation(equations.label("integral"), "I", (Piece(_INTEGRAL),)), ",")
     yield f"The functional is\n{integral}\nwith the density\n{density}"
-    yield prose.joined([*prose.fields(functional), prose.parameters(functional)])
+    yield prose.joined([*prose.fields(functional), prose.parameters(functional), equations.indicators.sentence()])
     yield from rest
 
 
@@ -104,21 +104,21 @@ def _corner(functional: Functional, equations: Equations) -> Iterator[str]:
     energy = one(equations.named("energy", "E", model.energy))
     yield f"{_CORNER} {_weightless(functional, 'the corner energy is')}\n{energy}"
     slopes = [
-        equations.named(f"energy-{p}", rf"\frac{{\partial E}}{{\partial {symbol_name(p)}}}", tidy(part))
+        equations.named(f"energy-{p}", rf"\frac{{\partial E}}{{\partial {symbol_name(p)}}}", equations.tidied(part))
         for p, part in zip(FIRST_DERIVATIVES, model.gradient, strict=True)
     ]
     yield f"Its gradient is\n{group(slopes, equations.label('gradient'))}"
     left = r"\frac{{\partial^2 E}}{{\partial {} \, \partial {}}}"
-    entries = equations.entries("hessian", left, model.hessian.applyfunc(tidy))
+    entries = equations.entries("hessian", left, equations.tidied(model.hessian))
     yield f"The Hessian is symmetric, with the entries\n{group(entries, equations.label('hessian'))}"
-    kept = equations.entries("semidefinite", r"H^+_{{{}\,{}}}", model.semidefinite_hessian.applyfunc(tidy))
+    kept = equations.entries("semidefinite", r"H^+_{{{}\,{}}}", equations.tidied(model.semidefinite_hessian))
     yield f"{_SPLITTING}\n{group(kept, equations.label('semidefinite'))}"
     yield findings.splitting(functional, model.splitting)
 
 
 def _euler_lagrange(functional: Functional, variant: Variant, equations: Equations) -> Iterator[str]:
     """Yield the Euler-Lagrange equations of a variant."""
-    derived, plain = euler_lagrange(functional, variant), variant == "plain"
+    derived, plain = equations.equation(euler_lagrange(functional, variant)), variant == "plain"
     tail = "" if plain else f"-{variant}"
     yield "\\subsection{Euler--Lagrange equations}" if plain else f"\\subsection{{{prose.variant_title(variant)}}}"
     yield prose.joined(prose.held(functional, variant))
@@ -153,9 +153,10 @@ def _classification(functional: Functional, equations: Equations) -> Iterator[st
     """Yield the principal symbol, the type of the equations and the properties of the density."""
     found = classify(functional)
     yield "\\subsection{Classification}"
-    entries = found.symbol.applyfunc(lambda entry: tidy_quadratic(entry, (k1, k2)))
+    whole = equations.indicators.write(found.symbol)
+    entries = whole.applyfunc(lambda entry: tidy_quadratic(entry, (k1, k2)))
     symbol = equations.matrix("symbol", "A(k)", entries, ".", entry="a")
-    determinant = equations.named("symbol-determinant", r"\det A(k)", _determinant(found, symbol))
+    determinant = equations.named("symbol-determinant", r"\det A(k)", _determinant(found, symbol, equations))
     yield prose.joined(
         [
             findings.judged_at(functional),
@@ -168,13 +169,13 @@ def _classification(functional: Functional, equations: Equations) -> Iterator[st
     )
 
 
-def _determinant(found: Classification, symbol: str) -> Expr:
+def _determinant(found: Classification, symbol: str, equations: Equations) -> Expr:
     """Return the determinant of the symbol: by the names of its entries, where these are shown and it is no simpler."""
     (a, b), (_, d) = found.symbol.tolist()
     if found.determinant == a * d - b * b and "a_{11}" in symbol:
         a, b, d = (sympy.Symbol(f"a{place}") for place in ("11", "12", "22"))
         return a * d - b**2
-    return sympy.factor_terms(found.determinant)
+    return sympy.factor_terms(equations.indicators.write(found.determinant))
 
 
 def _variants(functional: Functional, equations: Equations) -> Iterator[str]:

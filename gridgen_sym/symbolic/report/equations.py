@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import sympy
 from sympy import Expr, Symbol
 
 from ..coordinates import FIRST_DERIVATIVES
+from ..definiteness import almost_everywhere
 from ..derive.continuous import EulerLagrange
 from .breaking import Piece, after, bracketed, joined, pieces, signed
 from .displays import Equation, group, one
+from .indicators import Indicators
 from .printer import latex, ordered_terms, small_brackets, split_sign, symbol_name
 from .sections import Quasilinear, divergence_form, expanded_form
+from .tidy import tidy
 from .widths import LINE, width
 
 #: Room that is kept on a line: for a sign and an indentation, and for a bracket and an operator besides.
@@ -22,12 +28,14 @@ class Equations:
 
     Attributes:
         used: the symbols that were in an equation.
+        indicators: of the choices in derivatives.
     """
 
     def __init__(self, name: str) -> None:
         """Take the name of the functional, which is in all labels."""
         self._name = name
         self.used: set[Symbol] = set()
+        self.indicators = Indicators()
 
     def label(self, what: str) -> str:
         """Return the label of an equation."""
@@ -36,6 +44,23 @@ class Equations:
     def reference(self, what: str) -> str:
         """Return a reference to an equation."""
         return rf"\eqref{{{self.label(what)}}}"
+
+    def tidied(self, derivative: Any) -> Any:  # noqa: ANN401 - an expression, or a matrix of them
+        """Return a derivative as the report writes it."""
+        written = self.indicators.write(almost_everywhere(derivative))
+        return written.applyfunc(tidy) if isinstance(written, sympy.MatrixBase) else tidy(written)
+
+    def equation(self, derived: EulerLagrange) -> EulerLagrange:
+        """Return Euler-Lagrange equations with indicators in the place of choices."""
+        write = self.indicators.write
+        pairs = {second: almost_everywhere(sympy.Matrix(pair)) for second, pair in derived.coefficients.items()}
+        return replace(
+            derived,
+            fluxes=tuple(map(write, derived.fluxes)),
+            sources=(write(derived.sources[0]), write(derived.sources[1])),
+            coefficients={second: (write(pair[0]), write(pair[1])) for second, pair in pairs.items()},
+            rest=(write(derived.rest[0]), write(derived.rest[1])),
+        )
 
     def named(self, label: str, left: str, right: Expr) -> Equation:
         """Return an expression with a name."""

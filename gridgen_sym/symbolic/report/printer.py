@@ -16,7 +16,13 @@ from .tidy import common_factor
 
 _GREEK = re.compile(r"xi|eta")
 _SPECIAL = {"epsilon": r"\varepsilon", "chi": r"\chi", "root": r"\sqrt{J^2 + \varepsilon^2}"}
-_SPECIAL |= {"xi": r"\xi", "eta": r"\eta", "tau": r"\tau"}
+#: Names that are Greek letters.
+_LETTERS = frozenset(
+    (
+        *("alpha", "beta", "gamma", "delta", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi", "rho"),
+        *("sigma", "tau", "phi", "psi", "omega"),
+    )
+)
 #: Factors of a product and terms of a sum are in the order of these classes; what is in none of them goes first.
 _CLASSES = ((s,), tuple(METRIC), FIRST_DERIVATIVES, (k1, k2), SECOND_DERIVATIVES)
 _LAST = len(_CLASSES) + 1
@@ -54,7 +60,7 @@ def symbol_name(variable: Symbol) -> str:
     if match := re.fullmatch(r"([a-zA-Z]+)(\d+)", head):
         head, below = match[1], [match[2], *below]
     if len(head) > 1:
-        head = rf"\mathrm{{{head}}}"
+        head = f"\\{head}" if head in _LETTERS else rf"\mathrm{{{head}}}"
     return f"{head}_{{{','.join(below)}}}" if below else head
 
 
@@ -69,7 +75,11 @@ def _ordered(expression: Expr) -> tuple[Expr, ...]:
     bases = {base for found in powers.values() for base in found if not base.is_Number}
     order = sorted(bases, key=lambda base: (base not in _LEADING, _sort_key(base)))
     keys = {term: [-_number(found.get(base)) for base in order] for term, found in powers.items()}
-    return tuple(sorted(expression.args, key=lambda term: (keys[term], sympy.default_sort_key(term))))
+    first, *rest = sorted(expression.args, key=lambda term: (keys[term], sympy.default_sort_key(term)))
+    number = expression.as_coeff_Add()[0]
+    if number.is_positive and first.could_extract_minus_sign():
+        return (number, first, *(term for term in rest if term != number))  # 1 - J, not -J + 1
+    return (first, *rest)
 
 
 def _number(power: Expr | None) -> float:
