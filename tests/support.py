@@ -31,7 +31,7 @@ CASES = COMMITTED + DERIVED
 #: The main tier has every functional plain, and one of every other variant; the slow tier has the rest.
 MAIN_VARIANTS = {("area_winslow", "frozen"), ("area", "differentiated"), ("winslow", "regularized")}
 #: Those that have Euler-Lagrange equations.
-EQUATION_CASES = [case for case in CASES if case[1] != "regularized"]
+EQUATION_CASES = [case for case in CASES if "regularized" not in case[1]]
 
 #: Domains that are not part of the repository; the tests that read them are skipped where there are none.
 SHARED = Path(os.environ.get("GRIDGEN_SYM_SHARED") or Path(__file__).resolve().parents[2] / "shared")
@@ -70,7 +70,7 @@ def numpy_names(name: str | Functional, variant: str) -> dict[str, object]:
 
 
 def kernel_set(name: str | Functional, variant: str = "plain", backend: str = "numpy") -> KernelSet:
-    parameters = {"epsilon": EPSILON} if variant == "regularized" else None
+    parameters = {"epsilon": EPSILON} if "regularized" in variant else None
     return kernels(functional(name), variant, parameters, backend)
 
 
@@ -114,15 +114,27 @@ def run(program: Program, values: Mapping[str, mpmath.mpf]) -> dict[str, mpmath.
 def metric_values(values: Mapping[str, mpmath.mpf]) -> dict[str, mpmath.mpf]:
     """Return the values with those of the metric added, from the definitions of a textbook."""
     a, b, c, d = (values[name] for name in ("x_xi", "y_xi", "x_eta", "y_eta"))
+    metric = _metric(a, b, c, d, values)
+    if "V11" in values:
+        v11, v12, v21, v22 = (values[name] for name in ("V11", "V12", "V21", "V22"))
+        relative = a * v11 + c * v21, b * v11 + d * v21, a * v12 + c * v22, b * v12 + d * v22
+        named = dict(zip(("x_xi", "y_xi", "x_eta", "y_eta"), relative, strict=True)) | _metric(*relative, values)
+        metric |= {f"target_{name}": value for name, value in named.items()}
+    return dict(values) | metric
+
+
+def _metric(
+    a: mpmath.mpf, b: mpmath.mpf, c: mpmath.mpf, d: mpmath.mpf, values: Mapping[str, mpmath.mpf]
+) -> dict[str, mpmath.mpf]:
     metric = {"g11": a * a + b * b, "g22": c * c + d * d, "g12": a * c + b * d, "J": a * d - b * c}
     if "epsilon" in values:
         root = mpmath.sqrt(metric["J"] ** 2 + values["epsilon"] ** 2)
         metric |= {"root": root, "chi": (metric["J"] + root) / 2}
-    return dict(values) | metric
+    return metric
 
 
 def parameter_values(definition: Functional, variant: str) -> dict[str, mpmath.mpf]:
-    extra = {"epsilon": EPSILON} if variant == "regularized" else {}
+    extra = {"epsilon": EPSILON} if "regularized" in variant else {}
     return {name: mpmath.mpf(value) for name, value in (dict(definition.parameters) | extra).items()}
 
 
@@ -131,13 +143,15 @@ def random_values(
 ) -> dict[str, mpmath.mpf]:
     """Return random values of a program's inputs, and of the parameters under both of their names.
 
-    The first derivatives have J > 0, or J < 0 with `folded`; the weight is positive.
+    The first derivatives have J > 0, or J < 0 with `folded`; the weight and the determinant of a target are positive.
     """
     generator = np.random.default_rng(seed)
     values = {name: mpmath.mpf(float(generator.uniform(-1, 1))) for name in names}
     x_xi, y_xi = generator.uniform(0.7, 1.5), generator.uniform(-0.4, 0.4)
     x_eta, y_eta = generator.uniform(-0.4, 0.4), generator.uniform(0.7, 1.5) * (-1 if folded else 1)
     given = {"x_xi": x_xi, "y_xi": y_xi, "x_eta": x_eta, "y_eta": y_eta, "s": generator.uniform(0.5, 2)}
+    given |= {"V11": generator.uniform(0.5, 2), "V22": generator.uniform(0.5, 2)}
+    given |= {"V12": generator.uniform(-0.4, 0.4), "V21": generator.uniform(-0.4, 0.4)}
     values |= {name: mpmath.mpf(float(value)) for name, value in given.items() if name in values}
     return values | dict(parameters) | {f"parameter_{name}": value for name, value in parameters.items()}
 

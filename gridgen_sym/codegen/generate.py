@@ -19,6 +19,8 @@ from .source import Source
 
 #: What is the same in all kernels of a language, written once.
 SHARED = ("c/common.h", "c/loops.h", "numpy/loops.py")
+#: Functionals whose barrier untangling follows relative to a target.
+TARGETED = ("winslow",)
 #: Files below `generated/` that nothing generates.
 _KEPT = ("README.md",)
 
@@ -26,12 +28,14 @@ _KEPT = ("README.md",)
 def committed_variants(functional: Functional) -> tuple[Variant, ...]:
     """Return the variants whose kernels are in `generated/`; others are generated when first used.
 
-    The weighted ones where the density itself names the weight, the regularized one where there is a barrier.
+    The weighted ones where the density itself names the weight, the regularized one where there is a barrier, and for
+    some relative to a target.
     """
     found = summary(functional)
     weighted: tuple[Variant, ...] = ("frozen", "differentiated") if WEIGHT_NAME in found.names else ()
     regularized: tuple[Variant, ...] = ("regularized",) if found.barrier else ()
-    return ("plain", *weighted, *regularized)
+    targeted: tuple[Variant, ...] = ("target+regularized",) if functional.name in TARGETED else ()
+    return ("plain", *weighted, *regularized, *targeted)
 
 
 def sources(functional: Functional, variants: tuple[Variant, ...]) -> Iterator[Source]:

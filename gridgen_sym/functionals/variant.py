@@ -5,7 +5,8 @@ A variant is written as text, whose parts are joined by `+`: `plain` where nothi
 - `frozen` or `differentiated`: there is a weight, held at the nodes or differentiated through;
 - `M:differentiated`: the declared field M moves with the nodes (else its values are held);
 - `target`: the metric is taken relative to a target;
-- `regularized`: J is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2, and nothing else may be said.
+- `regularized`: J, or det T relative to a target, is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2; a weight and
+  moving fields are not combined with it.
 """
 
 from __future__ import annotations
@@ -50,10 +51,11 @@ class Modes:
         weight: Literal["", "frozen", "differentiated"] = next((mode for mode in _WEIGHTED if mode in parts), "")
         moving = tuple(sorted(part.removesuffix(_MOVES) for part in parts if part.endswith(_MOVES)))
         modes = cls(weight, moving, "target" in parts, "regularized" in parts)
-        if modes.variant != variant or (modes.regularized and variant != "regularized"):
+        if modes.variant != variant or (modes.regularized and (modes.weight or modes.differentiated)):
             raise GridgenError(
-                f"unknown variant {quoted(variant)}: it is 'plain', 'regularized', or of 'frozen' or 'differentiated' "
-                "(the weight), 'M:differentiated' (a field) and 'target', in this order, joined by '+'"
+                f"unknown variant {quoted(variant)}: it is 'plain', 'regularized', 'target+regularized', or of "
+                "'frozen' or 'differentiated' (the weight), 'M:differentiated' (a field) and 'target', in this order, "
+                "joined by '+'"
             )
         return modes
 

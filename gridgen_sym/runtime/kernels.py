@@ -11,7 +11,7 @@ from ..codegen.backend import Function, find_backend
 from ..codegen.facts import KernelFacts
 from ..errors import GridgenError
 from ..functionals.definition import Functional
-from ..functionals.variant import Variant
+from ..functionals.variant import Modes, Variant
 from .backend import choose_backend
 from .kernel_set import KernelSet
 from .sources import find_sources
@@ -35,7 +35,7 @@ def kernels(
         GridgenError: for unknown parameters or backends, or if the compiler rejects the kernels.
     """
     given, extra = parameters, []
-    if variant == "regularized":
+    if Modes.read(variant).regularized:
         given = dict(parameters or {})
         if "epsilon" not in given:
             raise GridgenError(

@@ -43,12 +43,19 @@ METRIC: Mapping[Symbol, Expr] = {
     J: x_xi * y_eta - x_eta * y_xi,
 }
 
-#: What the symbols of the regularized barrier stand for. The second branch of chi is the first one
-#: multiplied by its conjugate: it does not cancel where J is far below zero.
-REGULARIZATION: Mapping[Symbol, Expr] = {
-    root: sympy.sqrt(J**2 + epsilon**2),
-    chi: choice(sympy.S.Zero, J, (J + root) / 2, epsilon**2 / (2 * (root - J))),
-}
+
+def _regularized(jacobian: Symbol, its_root: Symbol) -> tuple[Expr, Expr]:
+    """Return what the root and chi of a Jacobian stand for.
+
+    The second branch of chi is the first one multiplied by its conjugate: it does not cancel where the Jacobian is far
+    below zero.
+    """
+    conjugate = epsilon**2 / (2 * (its_root - jacobian))
+    return sympy.sqrt(jacobian**2 + epsilon**2), choice(sympy.S.Zero, jacobian, (jacobian + its_root) / 2, conjugate)
+
+
+#: What the symbols of the regularized barrier stand for.
+REGULARIZATION: Mapping[Symbol, Expr] = dict(zip((root, chi), _regularized(J, root), strict=True))
 
 #: The inverse of a target, V = W⁻¹, and the metric of T = A V as a density names it.
 V11, V12, V21, V22 = (symbol(name) for name in INVERSE_TARGET_NAMES)
@@ -76,10 +83,17 @@ TARGET_IN_METRIC: Mapping[Symbol, Expr] = {
     _t_g12: V11 * V12 * g11 + (V11 * V22 + V12 * V21) * g12 + V21 * V22 * g22,
     _t_jacobian: TARGET[_t_jacobian],
 }
+#: The same of the regularized barrier relative to a target: epsilon is relative to det W.
+target_root, target_chi = symbol("target_root"), symbol("target_chi")
+TARGET_REGULARIZATION: Mapping[Symbol, Expr] = dict(
+    zip((target_root, target_chi), _regularized(_t_jacobian, target_root), strict=True)
+)
 #: Every symbol that stands for something, each after those that it is made of.
-DEFINITIONS: Mapping[Symbol, Expr] = {**METRIC, **REGULARIZATION, **TARGET}
+DEFINITIONS: Mapping[Symbol, Expr] = {**METRIC, **REGULARIZATION, **TARGET, **TARGET_REGULARIZATION}
+#: What chi replaces, and the root in it, by chi.
+REGULARIZED: Mapping[Symbol, tuple[Symbol, Symbol]] = {chi: (J, root), target_chi: (_t_jacobian, target_root)}
 #: Those whose second derivative in the edge vectors, where it is that of a determinant, is not semidefinite.
-DETERMINANTS = (J, chi, _t_jacobian)
+DETERMINANTS = (J, chi, _t_jacobian, target_chi)
 
 #: A direction in which derivatives are taken: how the edge vectors and (where values move with the nodes) the
 #: position move.
@@ -119,12 +133,11 @@ def differentiate(expression: Expr, variable: Symbol) -> Expr:
 def definition_slope(m: Symbol, variable: Symbol) -> Expr:
     """Return the derivative of what a symbol of `DEFINITIONS` stands for.
 
-    `chi` has chi'(J) = chi/root; `root` has J/root.
+    A chi has chi'(J) = chi/root; its root has J/root.
     """
-    if m == chi:
-        return chi / root * definition_slope(J, variable)
-    if m == root:
-        return J / root * definition_slope(J, variable)
+    for of_chi, (jacobian, of_root) in REGULARIZED.items():
+        if m in (of_chi, of_root):
+            return (of_chi if m == of_chi else jacobian) / of_root * definition_slope(jacobian, variable)
     return differentiate(DEFINITIONS[m], variable)
 
 
@@ -136,8 +149,9 @@ def metric_gradient(m: Symbol) -> tuple[Expr, ...]:
 
 def _definition_along(m: Symbol) -> Expr:
     """Return how a symbol of `DEFINITIONS` moves along the direction, in how those that it is made of move."""
-    if m in REGULARIZATION:
-        return (chi if m == chi else J) / root * METRIC_ALONG[J]
+    for of_chi, (jacobian, of_root) in REGULARIZED.items():
+        if m in (of_chi, of_root):
+            return (of_chi if m == of_chi else jacobian) / of_root * METRIC_ALONG[jacobian]
     moves = {**dict(zip(FIRST_DERIVATIVES, DIRECTION, strict=True)), **METRIC_ALONG}
     meaning = DEFINITIONS[m]
     terms = (sympy.diff(meaning, v) * moves[v] for v in moves if v in meaning.free_symbols)

@@ -36,7 +36,7 @@ def folded(depth):
 def follow(place, monkeypatch, lower=lambda regular, place: None):
     """Follow the path from a grid, and return the epsilons on it."""
     seen = []
-    monkeypatch.setattr(regularization, "regularized", lambda *arguments: seen.append(arguments[-1]))
+    monkeypatch.setattr(regularization, "regularized", lambda *arguments: seen.append(arguments[3]))
     problem = make_problem(gg.Grid.from_planes(*place), "winslow")
     for _ in path(problem, WINSLOW, place, None, lower):
         pass

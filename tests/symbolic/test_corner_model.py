@@ -14,6 +14,10 @@ from gridgen_sym.symbolic import corner_model, has_barrier
 from gridgen_sym.symbolic.coordinates import (
     FIRST_DERIVATIVES,
     METRIC,
+    V11,
+    V12,
+    V21,
+    V22,
     J,
     epsilon,
     expand_metric,
@@ -27,8 +31,8 @@ from gridgen_sym.symbolic.coordinates import (
     y,
 )
 
-VARIANTS = ("plain", "frozen", "differentiated", "regularized")
-CASES = [(n, v) for n in functionals() for v in VARIANTS if v != "regularized" or has_barrier(functional(n))]
+VARIANTS = ("plain", "frozen", "differentiated", "regularized", "target+regularized")
+CASES = [(n, v) for n in functionals() for v in VARIANTS if "regularized" not in v or has_barrier(functional(n))]
 DIGITS, STEP, CLOSE = 40, sympy.Rational(1, 10**10), 1e-15
 
 
@@ -44,9 +48,10 @@ def corners(count, seed, *, folded=False):
 
 
 def settings(model):
-    """Return values of the weight and the parameters."""
+    """Return values of the weight, the inverse target and the parameters."""
     defaults = {symbol(n): sympy.nsimplify(v) for n, v in model.functional.parameters.items()}
-    return defaults | {s: sympy.Rational(7, 5), epsilon: sympy.Rational(1, 3)}
+    target = dict(zip((V11, V12, V21, V22), map(sympy.Rational, ("3/2", "-1/3", "1/4", "2/3")), strict=True))
+    return defaults | target | {s: sympy.Rational(7, 5), epsilon: sympy.Rational(1, 3)}
 
 
 def value(expression, point):
@@ -69,7 +74,7 @@ def gradient_error(model, gradient, point):
 @pytest.mark.parametrize(("name", "variant"), CASES)
 def test_gradient_and_hessian_against_differences(name, variant):
     model = corner_model(functional(name), variant)
-    for corner in corners(2 if variant == "plain" else 1, f"{name}{variant}", folded=variant == "regularized"):
+    for corner in corners(2 if variant == "plain" else 1, f"{name}{variant}", folded="regularized" in variant):
         point = settings(model) | corner
         assert gradient_error(model, model.gradient, point) < CLOSE
         for i, slope in enumerate(model.gradient):

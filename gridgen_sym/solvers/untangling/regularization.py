@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from ...arrays import Array
 from ...functionals.definition import Functional
+from ...functionals.metric import INVERSE_TARGET_NAMES
 from ...functionals.registry import functional as find_functional
 from ...runtime import kernels
 from ..folds import Folds, mean_jacobian
@@ -25,6 +26,7 @@ from ..newton.minimize import minimize
 from ..problem import Problem
 from ..run.progress import Progress
 from .affine_maps import AffineMap
+from .diagonal_target import DiagonalTarget
 from .search import Search
 
 #: The first epsilon, over the depth of the worst fold and over the mean Jacobian: the larger of the two counts.
@@ -77,7 +79,12 @@ def global_newton(problem: Problem, progress: Progress) -> Lower:
 
 
 def follow(
-    search: Search, frame: AffineMap, lower: Lower, functional: Functional | None = None, pace: Pace = FAST
+    search: Search,
+    frame: AffineMap,
+    lower: Lower,
+    functional: Functional | None = None,
+    pace: Pace = FAST,
+    target: DiagonalTarget | None = None,
 ) -> None:
     """Follow the minima for falling epsilon from the start of a search, in mapped coordinates; offer every grid.
 
@@ -87,11 +94,12 @@ def follow(
         lower: lowers the energy for one epsilon.
         functional: whose barrier is followed instead of the search's own, with its default parameters.
         pace: how fast epsilon falls.
+        target: of the corners in mapped coordinates, relative to which the barrier is regularized.
     """
     place, fixed = frame.apply(search.start), search.problem.fixed
     parameters = search.parameters if functional is None else None
     try:
-        for _ in path(search.problem, functional or search.functional, place, parameters, lower, pace):
+        for _ in path(search.problem, functional or search.functional, place, parameters, lower, pace, target):
             search.best.offer(frame.invert(place, search.start, fixed))
     finally:  # Ctrl-C may come in the midst of a step.
         search.best.offer(frame.invert(place, search.start, fixed))
@@ -104,14 +112,22 @@ def path(
     parameters: Mapping[str, float] | None,
     lower: Lower,
     pace: Pace = FAST,
+    target: DiagonalTarget | None = None,
 ) -> Iterator[None]:
-    """Follow the minima for falling epsilon, changing `coordinates` in place, as long as that is progress."""
-    folds = [problem.folds(coordinates, mendable=True)]
-    size = mean_jacobian(coordinates)
+    """Follow the minima for falling epsilon, changing `coordinates` in place, as long as that is progress.
+
+    With a target, epsilon, the depth of folds and the mean Jacobian are relative to it.
+    """
+
+    def mendable() -> Folds:
+        return target.folds(coordinates, problem.fixed) if target else problem.folds(coordinates, mendable=True)
+
+    folds = [mendable()]
+    size = target.mean_jacobian(coordinates) if target else mean_jacobian(coordinates)
     epsilon = max(_DEPTH * folds[0].depth, _SIZE * size)
     while folds[-1].cells and epsilon > _SHARPEST * size and not _ended(folds[1:], pace.patience):
-        lower(regularized(problem, functional, parameters, epsilon), coordinates)
-        folds.append(problem.folds(coordinates, mendable=True))
+        lower(regularized(problem, functional, parameters, epsilon, target), coordinates)
+        folds.append(mendable())
         epsilon *= pace.fall
         yield
 
@@ -127,18 +143,24 @@ def _ended(folds: list[Folds], patience: int = FAST.patience) -> bool:
 
 
 def regularized(
-    problem: Problem, functional: Functional, parameters: Mapping[str, float] | None, epsilon: float
+    problem: Problem,
+    functional: Functional,
+    parameters: Mapping[str, float] | None,
+    epsilon: float,
+    target: DiagonalTarget | None = None,
 ) -> Problem:
     """Return the same problem with the regularized barrier, without a weight, over all corners.
 
     Where the density needs more than the metric, Winslow's barrier is taken: the boundary alone decides on validity.
     """
+    variant = "target+regularized" if target else "regularized"
+    planes = INVERSE_TARGET_NAMES if target else ()
     kernel_set = None
     if not functional.fields:
         given = {**(parameters or {}), "epsilon": epsilon}
-        kernel_set = kernels(functional, "regularized", given, problem.kernels.backend)
-    if kernel_set is None or kernel_set.planes:
+        kernel_set = kernels(functional, variant, given, problem.kernels.backend)
+    if kernel_set is None or kernel_set.planes != planes:
         winslow = find_functional("winslow")
-        kernel_set = kernels(winslow, "regularized", {"epsilon": epsilon}, problem.kernels.backend)
+        kernel_set = kernels(winslow, variant, {"epsilon": epsilon}, problem.kernels.backend)
     # Its energy is finite everywhere, so the line search need not keep corners positive.
-    return Problem(replace(kernel_set, barrier=False), problem.fixed, None)
+    return Problem(replace(kernel_set, barrier=False), problem.fixed, None, _values=target.values if target else None)

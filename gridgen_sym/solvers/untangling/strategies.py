@@ -11,6 +11,7 @@ from ..problem import Problem
 from ..run.progress import Progress
 from .all_nodes import AllNodes
 from .coarse_grids import CoarseGrids
+from .expected_spacing import ExpectedSpacing, PowersOfSpacing
 from .feasible_starts import FeasibleStarts
 from .folded_nodes import FoldedNodes
 from .folded_subdomains import FoldedSubdomains
@@ -40,9 +41,11 @@ STRATEGIES: tuple[Strategy, ...] = (
     SmallestJacobian(),
     QuickProofs(),
     OtherBarriers(("winslow",)),
+    ExpectedSpacing(),
     OtherBarriers(("modified_liao", "area_winslow"), most_nodes=_SMALL),
     SmallestJacobianOfAll(),
     ProofSearch(DEFAULT_BUDGET),
+    PowersOfSpacing(16, _SMALL),
     StretchedCoordinates(_SMALL, "modified_liao", SLOW),
     StretchedCoordinates(_SMALL),
     FeasibleStarts(DEFAULT_BUDGET),

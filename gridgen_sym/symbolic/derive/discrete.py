@@ -29,13 +29,13 @@ from ..coordinates import (
     METRIC,
     METRIC_ALONG,
     NAMED_TARGET_METRIC,
+    REGULARIZED,
     TARGET,
     TARGET_DERIVATIVES,
     TARGET_IN_METRIC,
     TARGET_METRIC,
     J,
     Variant,
-    chi,
     differentiate_along,
     epsilon,
     expand_metric,
@@ -43,7 +43,6 @@ from ..coordinates import (
     g12,
     g22,
     metric_gradient,
-    root,
     s,
 )
 from ..definiteness import Definiteness
@@ -101,8 +100,9 @@ class CornerModel:
 def variant_density(functional: Functional, variant: Variant) -> Expr:
     """Return the continuous density of a variant, in the metric symbols.
 
-    Without a weight s = 1; with one, a density that does not name `s` is multiplied by it. `regularized` replaces J by
-    chi. With a target, a density that names the metric of T = A W⁻¹ has it; in any other one the metric is that of T.
+    Without a weight s = 1; with one, a density that does not name `s` is multiplied by it. With a target, a density
+    that names the metric of T = A W⁻¹ has it; in any other one the metric is that of T. `regularized` replaces J, and
+    det T, by chi.
 
     Raises:
         GridgenError: if a functional without a barrier is to be regularized.
@@ -117,7 +117,7 @@ def variant_density(functional: Functional, variant: Variant) -> Expr:
             raise GridgenError(
                 f"functional {functional.name!r} has no barrier at J = 0: there is nothing to regularize"
             )
-        return density.subs(J, chi)
+        return density.subs({jacobian: of_chi for of_chi, (jacobian, _) in REGULARIZED.items()})
     return density
 
 
@@ -185,13 +185,15 @@ def _parameters(functional: Functional, variant: Variant) -> tuple[Symbol, ...]:
 def slopes(density: Expr) -> dict[Symbol, Expr]:
     """Return the derivatives in the metric symbols and in the edge vectors' components, each with the others held.
 
-    That in J takes what chi adds, and all take what the metric of a target adds, which is linear in them; those that
-    are zero are left out.
+    A Jacobian takes what its chi adds, and all take what the metric of a target adds, which is linear in them; those
+    that are zero are left out.
     """
-    result = {symbol: sympy.diff(density, symbol) for symbol in (*METRIC, *FIRST_DERIVATIVES)}
-    result[J] += sympy.diff(density, chi) * chi / root
+    along = {m: sympy.diff(density, m) for m in (*METRIC, *FIRST_DERIVATIVES, *TARGET_METRIC, *TARGET_DERIVATIVES)}
+    for of_chi, (jacobian, of_root) in REGULARIZED.items():
+        along[jacobian] += sympy.diff(density, of_chi) * of_chi / of_root
+    result = {symbol: along[symbol] for symbol in (*METRIC, *FIRST_DERIVATIVES)}
     for m, meaning in (*TARGET_IN_METRIC.items(), *((m, TARGET[m]) for m in TARGET_DERIVATIVES)):
-        slope = sympy.diff(density, m)
+        slope = along[m]
         if slope != 0:
             for symbol in result.keys() & meaning.free_symbols:
                 result[symbol] += slope * sympy.diff(meaning, symbol)
@@ -249,21 +251,25 @@ def hessian_vector(
 
 
 def _slope_along(m: Symbol, k: int) -> Expr:
-    """Return how entry k of the gradient of a metric symbol moves; for chi, with chi'' = epsilon²/(2 root³)."""
-    if m == chi:
-        return epsilon**2 / (2 * root**3) * METRIC_ALONG[J] * metric_gradient(J)[k] + chi / root * _slope_along(J, k)
+    """Return how entry k of the gradient of a metric symbol moves; for a chi, with chi'' = epsilon²/(2 root³)."""
+    if m in REGULARIZED:
+        of, root = REGULARIZED[m]
+        curvature = epsilon**2 / (2 * root**3)
+        return curvature * METRIC_ALONG[of] * metric_gradient(of)[k] + m / root * _slope_along(of, k)
     return differentiate_along(metric_gradient(m)[k])
 
 
 def _metric_symbols(density: Expr) -> list[Symbol]:
-    return [m for m in DEFINITIONS if m != root and m in density.free_symbols]
+    roots = [root for _, root in REGULARIZED.values()]
+    return [m for m in DEFINITIONS if m not in roots and m in density.free_symbols]
 
 
 def _metric_hessian(m: Symbol) -> sympy.Matrix:
-    """Return the 4x4 second derivative of a metric symbol; for chi, with chi'' = epsilon²/(2 root³)."""
-    if m == chi:
-        slope = sympy.Matrix(metric_gradient(J))
-        return epsilon**2 / (2 * root**3) * slope * slope.T + chi / root * _metric_hessian(J)
+    """Return the 4x4 second derivative of a metric symbol; for a chi, with chi'' = epsilon²/(2 root³)."""
+    if m in REGULARIZED:
+        of, root = REGULARIZED[m]
+        slope = sympy.Matrix(metric_gradient(of))
+        return epsilon**2 / (2 * root**3) * slope * slope.T + m / root * _metric_hessian(of)
     return sympy.hessian(expand_metric(DEFINITIONS[m]), FIRST_DERIVATIVES)
 
 
@@ -278,7 +284,7 @@ def _splitting(functional: Functional, variant: Variant) -> Definiteness:
         return corner_model(functional, bare.variant).splitting
     density = functional.corner_factor * variant_density(functional, variant)
     determinant = sympy.Symbol("D", positive=True)
-    split = density.subs({J: determinant, chi: determinant})
+    split = density.subs({of_chi: jacobian for of_chi, (jacobian, _) in REGULARIZED.items()}).subs(J, determinant)
     split = expand_metric(split.subs({m: TARGET[m].subs(J, determinant) for m in TARGET_METRIC if TARGET[m].has(J)}))
     variables = (*FIRST_DERIVATIVES, determinant)
     return convexity(split, variables, positive=(determinant, s), parameters=admissible(functional))
