@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
+from ..fields.target import Target
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Grid, quality
@@ -36,6 +37,8 @@ def adapt(
     monitor: Monitor | str | Measure = "curvature",
     weight_exponent: float | None = None,
     parameters: Mapping[str, float] | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | Grid | None = None,
     max_iterations: int = 30,
     moves: int | None = None,
     damping: float = 0.5,
@@ -65,6 +68,8 @@ def adapt(
         weight_exponent: the power of the density of nodes that the weight of the functional is; needed for functionals
             of your own.
         parameters: of the functional.
+        fields: values of the fields that its density declares, as in `optimize`.
+        target: what cells should be like, beside the weight, as in `optimize`.
         max_iterations: at most so many steps.
         moves: of the nodes in each step, with the density interpolated between. By default 3 for a solver, 1 else.
         damping: how far the first step goes from the weight of the start to the one of the density, above 0 and at most
@@ -99,7 +104,8 @@ def adapt(
     sides = sliding_sides(start, boundary, fixed)
     chosen = as_monitor(monitor)
     mask = fixed_mask(grid, fixed)
-    mover = Mover(definition, exponent, parameters, mask, backend, damping, sides, chosen.side_exponent, deadline)
+    given = {"parameters": parameters, "fields": fields, "target": target}
+    mover = Mover(definition, exponent, given, mask, backend, damping, sides, chosen.side_exponent, deadline)
     run = Run(source, chosen, mover, start)
     with Live(f"adapt, {definition.name}", callback, progress) as live:
         outcome = run.until_ended(max_iterations, moves or source.moves, tolerance, live)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -38,7 +39,7 @@ class Mover:
     Attributes:
         functional: what is minimized.
         weight_exponent: of the functional.
-        parameters: of the functional.
+        given: what else the functional takes, as `optimize` does: `parameters`, `fields` and `target`.
         fixed: mask of the nodes that do not move.
         backend: `c`, `numpy` or the default.
         damping: how far the next weight goes to the one of the density; the first one is given, others follow.
@@ -52,7 +53,7 @@ class Mover:
 
     functional: Functional
     weight_exponent: WeightExponent
-    parameters: Mapping[str, float] | None
+    given: Mapping[str, Any]
     fixed: Mask
     backend: str | None
     damping: float
@@ -88,12 +89,12 @@ class Mover:
             self.functional,
             weight=Weight(self.weight),
             fixed=self.fixed,
-            parameters=self.parameters,
             tolerance=_INNER_TOLERANCE,
             max_iterations=_INNER_STEPS,
             progress=False,
             time_limit=self.deadline.check(),
             backend=self.backend,
+            **self.given,
         )
         if solved.interrupted:
             self.deadline.check()

@@ -166,7 +166,8 @@ def untangle(
 
     Args:
         grid: the start.
-        functional: one with a barrier at J = 0; the grid is near its minimum.
+        functional: one with a barrier at J = 0; the grid is near its minimum. A weight and a target have no part in
+            what is valid; where the density declares fields, Winslow's barrier is taken.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         callback: as in `optimize`.
@@ -181,6 +182,8 @@ def untangle(
         GridgenError: if the functional has no barrier, and for other input that cannot be used.
     """
     definition = find_functional(functional)
+    if definition.fields:
+        definition = find_functional("winslow")
     check_controls(0.5, None, callback, time_limit)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:

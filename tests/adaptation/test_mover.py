@@ -96,7 +96,7 @@ def test_the_damping_of_a_step_is_chosen_anew():
 def test_the_damping_is_that_which_would_have_left_nothing(damping, rest, expected):
     """Of a move that leaves a part of the lack; within bounds, and the same as before where it has changed nothing."""
     fixed = np.ones((5, 5), dtype=np.uint8)
-    mover = Mover(gg.functional("area_winslow"), WeightExponent(1, 2), None, fixed, None, damping, [])
+    mover = Mover(gg.functional("area_winslow"), WeightExponent(1, 2), {}, fixed, None, damping, [])
     residual = 1e-3 * np.random.default_rng(0).normal(size=(5, 5))
     mover._choose_damping(residual)
     mover._choose_damping(rest * residual)

@@ -336,6 +336,28 @@ def test_nodes_outside_the_samples_are_reported():
     assert "nodes lie outside the samples of the field p: the nearest sample counts there." in result.message
 
 
+def test_validity_alone_needs_no_fields():
+    start = gg.domain("swan", 13, 13)
+    assert gg.untangle(start, DVINSKY).quality.valid
+
+
+@pytest.mark.slow
+def test_adaptation_takes_fields_and_a_target():
+    """The density of nodes is a weight; the metric is that of the field, or relative to a target."""
+    start, front = gg.domain("square", 17, 17), "tanh(10*(x + y - 1))"
+    functional = gg.define("adapted", "s*J**2/2 + 0.02*(p*g11 + g22)/J", fields={"p": "scalar"})
+    options = {"weight_exponent": 2.0, "max_iterations": 4, "boundary": "fixed", "backend": "numpy"}
+    one, four = (gg.adapt(start, front, functional=functional, fields={"p": p}, **options) for p in ("1", "4"))
+    assert one.quality.valid
+    assert four.quality.valid
+    assert farthest(one.grid, four.grid) > 1e-3
+    with pytest.raises(gg.GridgenError, match="needs values of the field p"):
+        gg.adapt(start, front, functional=functional, **options)
+    aimed = gg.adapt(start, front, target=gg.Target(1 / 16, 1 / 32, angle=70), boundary="fixed", max_iterations=4)
+    assert aimed.quality.valid
+    assert farthest(aimed.grid, gg.adapt(start, front, boundary="fixed", max_iterations=4).grid) > 1e-3
+
+
 # ---- refusals ----
 
 NAN = np.ones((9, 8))

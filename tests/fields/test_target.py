@@ -59,6 +59,13 @@ def test_a_disordered_grid_of_a_domain_comes_back(name, backend, domains):
     assert farthest(smooth, wanted) > 1e-3
 
 
+@pytest.mark.parametrize("spacing", ["unit", "index", (0.3, 2.0)])
+def test_it_comes_back_whatever_the_logical_steps(spacing, domains):
+    start, smooth = domains["quarter_annulus"]
+    wanted = disordered(smooth, 0.2, seed=3)
+    assert farthest(gg.optimize(start, "winslow", target=wanted, spacing=spacing).grid, wanted) < DIGITS
+
+
 def test_sweeps_find_it_as_well(domains):
     start, smooth = domains["quarter_annulus"]
     wanted = disordered(smooth, 0.2, seed=4)
