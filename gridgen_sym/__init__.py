@@ -49,8 +49,10 @@ if TYPE_CHECKING:
     from .adaptation.transfer import transfer as transfer
     from .boundary import CornerChoice as CornerChoice
     from .boundary import Outline as Outline
+    from .boundary import Wall as Wall
     from .boundary import domain as domain
     from .boundary import domain_names as domain_names
+    from .boundary import first_height as first_height
     from .certificates import Certificate as Certificate
     from .certificates import certificates as certificates
     from .certificates import sliver_certificate as sliver_certificate
@@ -91,7 +93,7 @@ _PACKAGES = {
         "AdaptResult AdaptStep Equidistribution Monitor Spread adapt equidistribution hierarchical_error "
         "interpolation_error recover_gradient recover_hessian recovery_error richardson_error transfer"
     ),
-    "boundary": "CornerChoice Outline domain domain_names",
+    "boundary": "CornerChoice Outline Wall domain domain_names first_height",
     "certificates": "Certificate certificates sliver_certificate",
     "codegen.backend": "Backend register_backend",
     "fields": "Field SampledField Target Weight raster_field scattered_field",

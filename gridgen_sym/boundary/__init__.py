@@ -5,3 +5,5 @@ from .domains import domain as domain
 from .domains import domain_description as domain_description
 from .domains import domain_names as domain_names
 from .outline import Outline as Outline
+from .wall import Wall as Wall
+from .wall import first_height as first_height

@@ -92,29 +92,21 @@ class DensityInputs:
     def _values(self, field: Components, coordinates: Array) -> FieldValues:
         """Return the values of a field, checked."""
         points = _points(field.domain, coordinates)
-        values = FieldValues(field, [self._plane(part, points) for part in field.parts], points)
+        values = FieldValues(field, [_plane(part, points, self.shape) for part in field.parts], points)
         values.check()
         return values
-
-    def _plane(self, part: ScalarField, points: tuple[Array, Array]) -> Array:
-        """Return a part on a grid: arrays of a finer one are interpolated to it."""
-        if part.numbers is not None and points[0].shape != self.shape:
-            return restricted(part.plane(*_logical((2, *self.shape))), self.shape, points[0].shape)
-        return part.plane(points[0], points[1])
 
     def _inverse_target(
         self, target: Target, coordinates: Array, steps: tuple[float, float]
     ) -> tuple[Array, Array, Array, Array]:
         """Return V = W⁻¹ for edges that are divided by `steps`.
 
-        W is that of edges with steps of 1 on the grid of the shape `shape`; on a coarser one, cells and W are larger.
+        W is that of edges with steps of 1 on the grid that it was given for; on a coarser one, cells and W are larger.
         """
-        shape = coordinates.shape[1:]
+        shape, home = coordinates.shape[1:], target.shape or self.shape
         points = _points(target.domain, coordinates)
-        first, second, third, fourth = target.inverse(lambda part: self._plane(part, points), (shape[0], shape[1]))
-        along_xi, along_eta = (
-            step * (now - 1) / (home - 1) for step, now, home in zip(steps, shape, self.shape, strict=True)
-        )
+        first, second, third, fourth = target.inverse(lambda part: _plane(part, points, home), (shape[0], shape[1]))
+        along_xi, along_eta = (step * (now - 1) / (old - 1) for step, now, old in zip(steps, shape, home, strict=True))
         return first * along_xi, second * along_xi, third * along_eta, fourth * along_eta
 
     def exists(self, coordinates: Array, names: tuple[str, ...]) -> bool:
@@ -137,6 +129,13 @@ class DensityInputs:
                     "nearest sample counts there."
                 )
         return said
+
+
+def _plane(part: ScalarField, points: tuple[Array, Array], home: tuple[int, int]) -> Array:
+    """Return a part on a grid: arrays of a finer one, of the shape `home`, are interpolated to it."""
+    if part.numbers is not None and points[0].shape != home:
+        return restricted(part.plane(*_logical((2, *home))), home, points[0].shape)
+    return part.plane(points[0], points[1])
 
 
 def _points(domain: str, coordinates: Array) -> tuple[Array, Array]:

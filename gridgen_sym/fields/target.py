@@ -20,6 +20,7 @@ from .components import Components, components_of
 from .field import VARIABLES, Domain, Field
 from .locations import at_one_location, first_index, first_place, location
 from .scalar import ScalarField, as_scalar
+from .wall_cells import WallCells
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +33,7 @@ class Target:
         w2: the same along eta.
         angle: between them, in degrees, in the same forms.
         parts: the two lengths and the angle, or the four components of the matrix.
-        shape: (ni, nj) of the reference grid, if it was made of one.
+        shape: (ni, nj) of the grid that its arrays belong to, if it was made of one.
     """
 
     w1: Any
@@ -76,6 +77,12 @@ class Target:
             domain: `logical`: functions are of xi and eta; `physical`: of x and y, evaluated again between steps.
         """
         return cls(None, None, None, _matrix=components_of(Field(source, domain), "W", "matrix", "the target"))
+
+    @classmethod
+    def of_cells(cls, cells: WallCells) -> Target:
+        """Return the target of the edge lengths and angles that walls ask for at every corner of one grid."""
+        _, ni, nj = cells.along_xi.shape
+        return replace(cls.matrix(cells.matrix()), shape=(ni + 1, nj + 1))
 
     @property
     def domain(self) -> Domain:

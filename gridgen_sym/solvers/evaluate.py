@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
+from ..boundary.wall import Wall
 from ..deprecation import renamed_arguments
 from ..fields.target import Target
 from ..fields.weight import Source, Weight
@@ -27,6 +28,7 @@ def energy(
     weight: Weight | Source | None = None,
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
+    walls: Mapping[str, Wall] | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
     spacing: Spacing = "unit",
@@ -44,6 +46,7 @@ def energy(
         weight=weight,
         fields=fields,
         target=target,
+        walls=walls,
         parameters=parameters,
         interior_only=interior_only,
         spacing=spacing,
@@ -60,6 +63,7 @@ def gradient(
     weight: Weight | Source | None = None,
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
+    walls: Mapping[str, Wall] | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
@@ -76,6 +80,7 @@ def gradient(
         weight=weight,
         fields=fields,
         target=target,
+        walls=walls,
         fixed=fixed,
         parameters=parameters,
         interior_only=interior_only,
@@ -93,6 +98,7 @@ def hessian(
     weight: Weight | Source | None = None,
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
+    walls: Mapping[str, Wall] | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     semidefinite: bool = False,
@@ -111,6 +117,7 @@ def hessian(
         weight=weight,
         fields=fields,
         target=target,
+        walls=walls,
         fixed=fixed,
         parameters=parameters,
         interior_only=interior_only,

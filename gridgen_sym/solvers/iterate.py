@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..arrays import Array
-from .problem import Problem, norm_of
+from .problem import Problem
 
 
 @dataclass(slots=True)
@@ -31,10 +31,10 @@ class Iterate:
     def __post_init__(self) -> None:
         """Evaluate the problem, with the weight that it has."""
         self.energy, self.smallest, self.gradient = self.problem.energy_gradient(self.coordinates)
-        self.norm = norm_of(self.gradient)
+        self.norm = self.problem.norm(self.gradient)
 
     def evaluate(self) -> None:
         """Evaluate the problem anew, and its weight, because the coordinates have changed."""
         self.problem.refresh(self.coordinates)
         self.energy, self.smallest, _ = self.problem.energy_gradient(self.coordinates, out=self.gradient)
-        self.norm = norm_of(self.gradient)
+        self.norm = self.problem.norm(self.gradient)

@@ -15,7 +15,7 @@ from ..grids import Grid, corner_jacobians, folded_corners, quality
 from ..grids.grid import boundary_indices
 from .differentiability import missing_derivative
 from .multilevel.nested import Nested, worth_nesting
-from .problem import Problem, norm_of
+from .problem import Problem
 from .run.progress import Progress
 from .run.result import Result
 from .run.status import Outcome, Status
@@ -70,14 +70,14 @@ class Run:
         try:
             nested.solve(self.coordinates)
         finally:
-            self._take(nested.finer(self.problem, self.coordinates))
+            self.take(nested.finer(self.problem, self.coordinates))
 
-    def _take(self, start: Array) -> None:
+    def take(self, start: Array) -> None:
         """Take another start, if it is better: less folded, or else of lower energy."""
         energy, smallest, gradient = self.problem.energy_gradient(self.coordinates)
         barrier = self.problem.kernels.barrier
         if smallest > 0 or not barrier:
-            self.reference = norm_of(gradient)
+            self.reference = self.problem.norm(gradient)
         if not self.problem.exists_at(start):
             return
         self.problem.refresh(start)

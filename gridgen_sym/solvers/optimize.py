@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy.typing as npt
 
+from ..boundary.wall import Wall, walls_by_side
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..fields.target import Target
@@ -19,6 +20,7 @@ from ..grids.grid import check_grid
 from .local import sweep_until_converged
 from .logical import LogicalRectangle, Spacing
 from .minimization import Run
+from .multilevel.wall_continuation import approach_walls
 from .newton.minimize import minimize
 from .problem import Problem, make_problem, norm_of
 from .run.checks import check_controls
@@ -43,6 +45,7 @@ def optimize(
     weight: Weight | Source | None = None,
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
+    walls: Mapping[str, Wall] | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     tolerance: float | None = None,
@@ -70,6 +73,8 @@ def optimize(
         fields: values of the fields that the density declares, by name: for each a `Field`, or what one is made of.
         target: what cells should be like; the metric is taken relative to it, in any functional. A `Target`, or a
             reference grid of the same shape.
+        walls: the first heights, growth and angles that are asked for at sides of the block, by side, such as
+            `{"bottom": Wall(first=1e-5, growth=1.2)}`; they become the target.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the gradient's norm must fall; by default 1e-6, and by Newton's method to a target
@@ -104,6 +109,7 @@ def optimize(
     check_grid(grid)
     definition = find_functional(functional)
     rectangle = LogicalRectangle.of(spacing, grid.shape)
+    sides = None if walls is None else walls_by_side(walls)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
         return make_problem(
@@ -112,6 +118,7 @@ def optimize(
             weight=weight,
             fields=fields,
             target=target,
+            walls=sides,
             fixed=fixed,
             parameters=parameters,
             interior_only=interior_only,
@@ -126,7 +133,9 @@ def optimize(
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
 
         def solve() -> Outcome:
-            if (method == "newton" and limit) or run.to_untangle:
+            if sides is not None and method == "newton" and limit:
+                approach_walls(run, sides, backend)
+            elif (method == "newton" and limit) or run.to_untangle:
                 run.start_from_coarse_grids()
             if not run.make_valid():
                 return run.could_not_unfold()

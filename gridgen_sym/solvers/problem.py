@@ -9,9 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array, Mask
-from ..errors import UnusableValueError
+from ..boundary.sides import Sides
+from ..boundary.wall import Wall, walls_by_side
+from ..errors import GridgenError, UnusableValueError
 from ..fields.inputs import DensityInputs, density_inputs
 from ..fields.target import Target, as_target
+from ..fields.wall_cells import wall_cells
 from ..fields.weight import Source, Weight, as_weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
@@ -44,6 +47,7 @@ class Problem:
     guard_summed_only: bool = False
     steps: tuple[float, float] = INDEX_STEPS
     _values: Values | None = None
+    _lengths: Array | None = None
     _inner_fixed: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -128,9 +132,10 @@ class Problem:
     def gradient_scale(self, coordinates: Array, energy: float) -> float:
         """Return the norm that the gradient of this energy has on a grid far from its minimum: E/(h sqrt(nodes)).
 
-        On a nearly folded grid the gradient can be larger by any factor, so it does not set a scale.
+        On a nearly folded grid the gradient can be larger by any factor, so it does not set a scale. With a gradient
+        measured in local lengths h is 1.
         """
-        spacing = _spacing(coordinates)
+        spacing = _spacing(coordinates) if self._lengths is None else 1.0
         return abs(energy) / (spacing * float(np.sqrt(coordinates[0].size))) if spacing > 0 else 0.0
 
     def round_off(self, coordinates: Array, gradient: Array) -> float:
@@ -138,6 +143,8 @@ class Problem:
 
         Measured by the change of the gradient when every node moves by a random rounding error.
         """
+        if self._lengths is not None:
+            return self._local_round_off(coordinates, gradient, self._lengths)
         size = max(float(coordinates.max()), -float(coordinates.min()))
         # Before the copy of the grid, so that no two temporaries are in memory at once.
         little, scale = 1e-4 * _spacing(coordinates), self.gradient_scale(coordinates, 1.0)
@@ -158,6 +165,29 @@ class Problem:
         # A gradient that does not change at all (of a null Lagrangian) still is a sum of rounded terms.
         summed = 10 * eps * scale * abs(energy) if np.isfinite(energy) else 0.0
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
+
+    def measure_locally(self, coordinates: Array) -> None:
+        """Measure gradients from now on in the lengths of a grid's own edges, where these differ by many magnitudes.
+
+        The norm is that of the gradient of every node times the shortest edge that meets there: of the changes of the
+        energy when nodes move by a part of their cells, and not by one length everywhere.
+        """
+        self._lengths = shortest_edges(coordinates)
+
+    def norm(self, gradient: Array) -> float:
+        """Return the norm of a gradient (2, ni, nj), in local lengths where gradients are measured so."""
+        return norm_of(gradient if self._lengths is None else gradient * self._lengths)
+
+    def _local_round_off(self, coordinates: Array, gradient: Array, lengths: Array) -> float:
+        """Return the same as `round_off`, with moves and gradients in local lengths."""
+        little, random = 1e-4, np.random.default_rng(0)
+        moved = coordinates + little * lengths * random.choice((-1.0, 1.0), coordinates.shape)
+        energy, _, there = self.energy_gradient(moved)
+        self.refresh(coordinates)
+        there -= gradient
+        there *= np.abs(coordinates).max(axis=0) / little  # Over the length of the move, times the local length.
+        eps, change = float(np.finfo(float).eps), norm_of(there)
+        return 4 * eps * change if np.isfinite(change) and np.isfinite(energy) else 0.0
 
     def caution(self, coordinates: Array) -> str:
         """Return remarks on the energy and its weight for the user, with a leading blank, or nothing."""
@@ -191,6 +221,19 @@ class Problem:
         return said
 
 
+def _target_of(
+    grid: Grid,
+    target: Target | Grid | None,
+    walls: Mapping[str, Wall] | Sides[Wall | None],
+    home: tuple[int, int],
+) -> Target:
+    """Return the target of the cells that walls ask for."""
+    if target is not None:
+        raise GridgenError("walls become a target: give walls or a target, not both")
+    sides = walls if isinstance(walls, Sides) else walls_by_side(walls)
+    return Target.of_cells(wall_cells(sides, grid.planes, home))
+
+
 def smallest_inner_jacobian(coordinates: Array) -> float:
     """Return the smallest Jacobian of the corners at inner nodes."""
     jacobians = corner_jacobians(coordinates[0], coordinates[1])
@@ -206,6 +249,17 @@ def _spacing(coordinates: Array) -> float:
         norm_of(edges) / float(np.sqrt(edges[0].size))
         for edges in (np.diff(coordinates, axis=1), np.diff(coordinates, axis=2))
     )
+
+
+def shortest_edges(coordinates: Array) -> Array:
+    """Return the length (ni, nj) of the shortest edge that meets at each node."""
+    shortest = np.full(coordinates.shape[1:], np.inf)
+    along_xi, along_eta = (np.hypot(*np.diff(coordinates, axis=axis)) for axis in (1, 2))
+    for nodes in (shortest[:-1], shortest[1:]):
+        np.minimum(nodes, along_xi, out=nodes)
+    for nodes in (shortest[:, :-1], shortest[:, 1:]):
+        np.minimum(nodes, along_eta, out=nodes)
+    return shortest
 
 
 def inner(first: Array, second: Array) -> float:
@@ -229,6 +283,7 @@ def make_problem(
     weight: Weight | Source | None = None,
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
+    walls: Mapping[str, Wall] | Sides[Wall | None] | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
@@ -248,8 +303,9 @@ def make_problem(
     check_size(grid)
     definition = find_functional(functional)
     home = grid.shape if arrays_of is None else arrays_of
+    asked = as_target(target, home) if walls is None else _target_of(grid, target, walls, home)
     inputs = density_inputs(
-        definition, home, parameters=parameters, weight=as_weight(weight), fields=fields, target=as_target(target, home)
+        definition, home, parameters=parameters, weight=as_weight(weight), fields=fields, target=asked
     )
     kernel_set = kernels(definition, inputs.variant, parameters, backend)
     given = inputs if kernel_set.planes else None

@@ -13,6 +13,7 @@ from gridgen_sym.solvers.convergence import ConvergenceTest
 from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.newton.line_search import LineSearch
 from gridgen_sym.solvers.newton.steps import NewtonSteps
+from gridgen_sym.solvers.problem import norm_of
 from gridgen_sym.solvers.run.deadline import Deadline
 from gridgen_sym.solvers.run.step_control import StepControl, diverges, jacobian_floor
 
@@ -21,6 +22,7 @@ class OneNumber:
     """An energy of the first coordinate alone; its Jacobian, too, is a function of it."""
 
     inputs = None
+    norm = staticmethod(norm_of)
 
     def __init__(self, energy, slope, jacobian=lambda x: 1.0, scale=1.0, round_off=0.0, barrier=True):
         self._energy, self._slope, self._jacobian = energy, slope, jacobian

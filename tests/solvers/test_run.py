@@ -57,7 +57,7 @@ def test_the_better_of_two_starts_is_taken(name, present, offered, better):
     definition = functional(name)
     problem = make_problem(gg.Grid.from_planes(*present), name, weight=WEIGHT)
     run = Run(problem, lambda grid: problem, definition, None, present.copy(), Progress("test"))
-    run._take(offered.copy())
+    run.take(offered.copy())
     taken = offered if better else present
     np.testing.assert_array_equal(run.coordinates, taken)
     # The weight is held as it is on the grid that counts.

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from ...boundary.wall import Wall
 from ...deprecation import renamed_arguments
 from ...errors import GridgenError, quoted
 from ...fields.target import Target
@@ -51,6 +52,7 @@ def solve_euler_lagrange(
     weight: Weight | Source | None = None,
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
+    walls: Mapping[str, Wall] | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     tolerance: float = 1e-8,
@@ -75,6 +77,8 @@ def solve_euler_lagrange(
         fields: values of the fields that the density declares, by name: for each a `Field`, or what one is made of.
         target: what cells should be like; the metric is taken relative to it, in any functional. A `Target`, or a
             reference grid of the same shape.
+        walls: the first heights, growth and angles that are asked for at sides of the block, by side, such as
+            `{"bottom": Wall(first=1e-5, growth=1.2)}`; they become the target.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the residual's norm must fall.
@@ -110,6 +114,7 @@ def solve_euler_lagrange(
             weight=weight,
             fields=fields,
             target=target,
+            walls=walls,
             fixed=inside,
             parameters=parameters,
             arrays_of=grid.shape,
