@@ -6,7 +6,7 @@ along the walls they pass from those of the one side to those of the other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from ..boundary.sides import Sides
 from ..boundary.wall import Wall
 from ..grids import transfinite
 from ..grids.grid import corner_edges
+
+#: A height that came out wrong by more than this factor is corrected by the factor at once.
+_LARGEST_CORRECTION = 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +77,44 @@ def wall_cells(walls: Sides[Wall | None], coordinates: Array, home: tuple[int, i
         sides = coordinates[:, :, 0], coordinates[:, :, -1], coordinates[:, 0], coordinates[:, -1]
         angle = np.clip(own_cells(transfinite(*(side.T for side in sides)).planes)[2], 0.1, np.pi - 0.1)
     return WallCells(along_xi, along_eta, angle, eta, xi)
+
+
+def first_heights(coordinates: Array) -> Sides[Array]:
+    """Return the heights of the first cells at the nodes of all sides, (ni,) or (nj,) each."""
+    lines = (
+        coordinates[:, :, 1] - coordinates[:, :, 0],
+        coordinates[:, -2] - coordinates[:, -1],
+        coordinates[:, :, -2] - coordinates[:, :, -1],
+        coordinates[:, 1] - coordinates[:, 0],
+    )
+    return Sides(*(np.hypot(*line) for line in lines))
+
+
+def corrected(
+    walls: Sides[Wall | None], asked: Sides[Wall | None], coordinates: Array
+) -> tuple[Sides[Wall | None], float]:
+    """Return walls whose first heights make up for what came out wrong, and by how much that is wrong at most.
+
+    Where a wall bends within few cells, the minimum has not quite the heights of its target.
+
+    Args:
+        walls: for which the grid was made.
+        asked: what is wanted.
+        coordinates: (2, ni, nj), the grid.
+    """
+    found: list[Wall | None] = []
+    worst = 0.0
+    for wall, wanted, height in zip(walls, asked, first_heights(coordinates), strict=True):
+        if wall is None or wanted is None:
+            found.append(None)
+            continue
+        index, goal = wanted.along(wanted.first, len(height), "first")
+        # The nodes of the sides that meet the wall do not move.
+        factor = np.where((index > 0) & (index < len(height) - 1), goal / height[index], 1.0)
+        worst = max(worst, float(np.abs(factor - 1).max()))
+        now = wall.along(wall.first, len(height), "first")[1]
+        found.append(replace(wall, first=now * np.clip(factor, 1 / _LARGEST_CORRECTION, _LARGEST_CORRECTION)))
+    return Sides(*found), worst
 
 
 def _fractions(low: Wall | None, high: Wall | None, coordinates: Array, home: tuple[int, int]) -> Array | None:

@@ -54,6 +54,12 @@ class Run:
     proofs: tuple[Certificate, ...] | None = None
     explained: bool = False
 
+    def renew(self, problem: Problem) -> None:
+        """Take another problem on the same grid, with gradients measured as before."""
+        problem.measure_as(self.problem)
+        self.problem, self.reference = problem, None
+        problem.refresh(self.coordinates)
+
     @property
     def to_untangle(self) -> bool:
         """Whether the functional has a barrier, and the grid is on its wrong side."""

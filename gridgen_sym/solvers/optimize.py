@@ -133,8 +133,10 @@ def optimize(
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
 
         def solve() -> Outcome:
+            nonlocal sides
             if sides is not None and method == "newton" and limit:
-                approach_walls(run, sides, backend)
+                sides = approach_walls(run, sides, backend)
+                run.renew(make(grid, fixed))
             elif (method == "newton" and limit) or run.to_untangle:
                 run.start_from_coarse_grids()
             if not run.make_valid():

@@ -174,6 +174,10 @@ class Problem:
         """
         self._lengths = shortest_edges(coordinates)
 
+    def measure_as(self, other: Problem) -> None:
+        """Measure gradients as another problem does."""
+        self._lengths = other._lengths
+
     def norm(self, gradient: Array) -> float:
         """Return the norm of a gradient (2, ni, nj), in local lengths where gradients are measured so."""
         return norm_of(gradient if self._lengths is None else gradient * self._lengths)

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...arrays import Array
 from ...boundary.sides import Sides
 from ...boundary.wall import Wall
 from ...fields.target import Target
-from ...fields.wall_cells import WallCells, own_cells, wall_cells
+from ...fields.wall_cells import WallCells, corrected, own_cells, wall_cells
 from ...functionals.registry import functional as find_functional
 from ...grids import Grid, corner_jacobians
 from ..minimization import Run
@@ -31,14 +33,19 @@ from .wall_prolongation import finer_grid
 _TOLERANCE, _STEPS = 1e-2, 30
 #: The first, the least and the greatest step of t.
 _FIRST, _LEAST, _GREATEST = 1 / 8, 1 / 512, 1 / 4
+#: Heights are corrected so often at most, and not where they are wrong by no more than this part.
+_CORRECTIONS, _RIGHT = 3, 2e-3
 #: A step of t that took so few Newton steps is followed by a longer one.
 _EASY = 12
 
 
-def approach_walls(run: Run, walls: Sides[Wall | None], backend: str | None) -> None:
+def approach_walls(run: Run, walls: Sides[Wall | None], backend: str | None) -> Sides[Wall | None]:
     """Bring a run near the minimum for what walls ask for, if a valid grid leads there; then measure locally.
 
     The way is that of winslow, whatever the functional: any start is its minimum for the start's own cells.
+
+    Returns:
+        The walls whose target has that minimum: their first heights make up for what would come out wrong.
     """
     way = WallContinuation(walls, backend, run.report)
     try:
@@ -48,6 +55,7 @@ def approach_walls(run: Run, walls: Sides[Wall | None], backend: str | None) -> 
         if found is not None:
             run.problem.measure_locally(found)
             run.take(found)
+    return way.walls
 
 
 @dataclass(slots=True)
@@ -55,7 +63,7 @@ class WallContinuation:
     """A run over the grids of one boundary with walls.
 
     Attributes:
-        walls: of the four sides.
+        walls: of the four sides; in the end with corrected heights.
         backend: name of what runs the kernels.
         report: receives every step.
         found: (2, ni, nj), the last valid grid, and what walls ask for there.
@@ -84,6 +92,23 @@ class WallContinuation:
                 found = self._continued(start, cells)
             if found is not None:
                 self.found = found, cells
+        self._correct(coordinates)
+
+    def _correct(self, coordinates: Array) -> None:
+        """Correct the heights on the finest grid, as long as that makes them better."""
+        asked, least = self.walls, np.inf
+        if self.found is None or self.found[0].shape != coordinates.shape or self.reached < 1:
+            return
+        home = coordinates.shape[1], coordinates.shape[2]
+        for _ in range(_CORRECTIONS):
+            place = self.found[0].copy()
+            walls, wrong = corrected(self.walls, asked, place)
+            if wrong < _RIGHT or wrong > 0.7 * least:
+                break
+            cells = wall_cells(walls, coordinates, home)
+            if not self._minimized(self._problem(place, cells), place).converged:
+                break
+            least, self.walls, self.found = wrong, walls, (place, cells)
 
     def on_grid(self, coordinates: Array) -> Array | None:
         """Return what was found on the grid with the boundary of `coordinates`; None if it is folded there."""
