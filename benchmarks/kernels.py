@@ -154,7 +154,7 @@ def _all_calls(coordinates: Array, count: int) -> Iterator[tuple[str, dict[str, 
             "Hessian times vector": hand.hessian_vector,
         },
     )
-    for name in sorted(gg.functionals()):
+    for name in sorted(gg.functionals(literature=False)):
         yield name, calls(kernels(gg.functional(name)), coordinates)
 
 

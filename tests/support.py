@@ -18,11 +18,13 @@ from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen.generate import committed_variants
 from gridgen_sym.codegen.kernel import Kernel, Program, reciprocal
 from gridgen_sym.codegen.programs import kernel
-from gridgen_sym.functionals import Functional, functional, functionals, is_builtin
+from gridgen_sym.functionals import Functional, functional, functionals, is_builtin, is_literature
 from gridgen_sym.functionals.choices import CHOICES
 from gridgen_sym.runtime import KernelSet, kernels
 
-BUILTIN = [name for name in functionals() if is_builtin(name)]
+BUILTIN = [name for name in functionals(literature=False) if is_builtin(name)]
+#: Functionals of the literature: no kernel of theirs is committed, and deriving all of them takes a minute.
+LITERATURE = [name for name in functionals() if is_literature(name)]
 #: Every functional in every variant whose kernels are committed.
 COMMITTED = [(name, variant) for name in BUILTIN for variant in committed_variants(functional(name))]
 #: Weighted variants of functionals that do not name the weight: they are derived when first used.

@@ -18,21 +18,29 @@ if TYPE_CHECKING:
 @click.command()
 @functionals_option
 def functionals() -> None:
-    """List the functionals with the type of their equations, as random points show it; 'derive' proves more."""
+    """List the functionals with the type of their equations, as random points show it; 'derive' proves more.
+
+    Those of the literature, whose equations are derived when they are first used, are listed with their source.
+    """
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
-    from ..functionals import functional
+    from ..functionals import functional, is_literature
     from ..functionals import functionals as names
 
     head = ("name", "density", "equations", "barrier", "parameters", "what it asks for")
     table = Table(*head, box=box.SIMPLE_HEAD, pad_edge=False)
+    literature = Table("of the literature", "what it asks for", "source", box=box.SIMPLE_HEAD, pad_edge=False)
     with Console(stderr=True).status("deriving the equations ..."):
-        for name in names():
-            table.add_row(*_row(functional(name)))
+        for definition in map(functional, names()):
+            if is_literature(definition.name):
+                literature.add_row(definition.name, definition.description, definition.reference)
+            else:
+                table.add_row(*_row(definition))
     # Where nobody looks at a terminal, no line is cut to the width of one.
-    Console(width=None if sys.stdout.isatty() else 200).print(table)
+    console = Console(width=None if sys.stdout.isatty() else 200)
+    console.print(table, literature)
 
 
 def _row(definition: Functional) -> tuple[str, ...]:

@@ -51,7 +51,7 @@ def sources(functional: Functional, variants: tuple[Variant, ...]) -> Iterator[S
 def all_sources() -> Iterator[Source]:
     """Yield every file of `generated/`: what kernels share, those of all built-in functionals, and their equations."""
     yield from map(render_shared, SHARED)
-    for name in functionals():
+    for name in functionals(literature=False):
         if is_builtin(name):
             functional = find_functional(name)
             yield from sources(functional, committed_variants(functional))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 from ..errors import GridgenError, quoted
 from ..parsing import number_in
@@ -13,6 +13,8 @@ from .field_kinds import all_components
 from .metric import DENSITY_NAMES, symbol, symbolic_metric, sympy_functions
 
 Density = Callable[..., Any]
+#: What a density function returns: a SymPy expression, whose package is not loaded here.
+Formula: TypeAlias = Any
 
 
 # Compared and hashed by identity: what was derived from one functional is remembered for that one.

@@ -8,16 +8,22 @@ from difflib import get_close_matches
 
 from ..errors import GridgenError, quoted
 from .arguments import check_arguments, check_parameter_names, given_fields, given_parameters, parameters_of
+from .bibliography import short
 from .check import check_density
 from .definition import Density, Functional
 
 _registry: dict[str, Functional] = {}
 _builtin: set[str] = set()
+_literature: dict[str, tuple[str, ...]] = {}
 
 
-def functionals() -> tuple[str, ...]:
-    """Return the names of all known functionals, in the order of their definition."""
-    return tuple(_registry)
+def functionals(*, literature: bool = True) -> tuple[str, ...]:
+    """Return the names of all known functionals, in the order of their definition.
+
+    Args:
+        literature: include those of the literature, whose kernels are derived when they are first used.
+    """
+    return tuple(name for name in _registry if literature or name not in _literature)
 
 
 def functional(name: str | Functional) -> Functional:
@@ -36,8 +42,18 @@ def functional(name: str | Functional) -> Functional:
 
 
 def is_builtin(name: str) -> bool:
-    """Return whether the functional comes with the package, so that its kernels are in `generated/`."""
+    """Return whether the functional comes with the package."""
     return name in _builtin
+
+
+def is_literature(name: str) -> bool:
+    """Return whether the functional is one of the literature: it comes with the package, but its kernels do not."""
+    return name in _literature
+
+
+def literature_sources(name: str) -> tuple[str, ...]:
+    """Return the keys of the sources of a functional of the literature, by its name; none for others."""
+    return _literature.get(name, ())
 
 
 def builtin(
@@ -66,6 +82,25 @@ def builtin(
         )
         _builtin.add(density.__name__)
         return density
+
+    return register
+
+
+def literature(
+    *sources: str, constraints: tuple[str, ...] = (), fields: Mapping[str, str] | None = None
+) -> Callable[[Density], Density]:
+    """Register the decorated density as a functional of the literature: its kernels are derived when first used.
+
+    Args:
+        sources: keys of the bibliography.
+        constraints: as in `define`.
+        fields: as in `define`.
+    """
+
+    def register(density: Density) -> Density:
+        _literature[density.__name__] = sources
+        reference = "; ".join(map(short, sources))
+        return builtin(constraints=constraints, fields=fields, reference=reference)(density)
 
     return register
 

@@ -73,5 +73,6 @@ def _density(functional: Functional, corners: Array) -> Array:
 
 
 def metric(a: Any, b: Any, c: Any, d: Any) -> dict[str, Any]:  # noqa: ANN401 - floats, arrays or numbers of many digits
-    """Return the metric of the edge vectors (a, b) and (c, d) by its definition, and the weight 1."""
-    return {"g11": a * a + b * b, "g22": c * c + d * d, "g12": a * c + b * d, "J": a * d - b * c, "s": 1}
+    """Return the metric of the edge vectors (a, b) and (c, d) by its definition, the weight 1, and no target."""
+    found = {"g11": a * a + b * b, "g22": c * c + d * d, "g12": a * c + b * d, "J": a * d - b * c}
+    return found | dict(zip(("t11", "t22", "t12", "tau"), found.values(), strict=True)) | {"s": 1}

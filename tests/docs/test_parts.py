@@ -9,6 +9,7 @@ import sympy
 from derived_pages import site
 from derived_pages.paper_pages import Shown, _section, _shown, _title, _without_name
 from derived_pages.reference_pages import command_helps, public_names
+from support import BUILTIN
 
 import gridgen_sym as gg
 from gridgen_sym.documentation import derived_page, functional_page, pictures
@@ -237,9 +238,13 @@ def test_links_to_files_of_the_repository_stay_on_the_site():
 
 
 def test_a_page_of_a_functional_that_is_gone_is_removed(monkeypatch, tmp_path):
-    monkeypatch.setattr(
-        site, "write_functional_page", lambda one, folder: (folder / f"{one.name}.md").write_text("new")
-    )
+    def write(name, folder):
+        path = folder / f"{name}.md"
+        path.write_text("new")
+        return path
+
+    monkeypatch.setattr(site, "write_functional_page", lambda one, folder: write(one.name, folder))
+    monkeypatch.setattr(site, "write_literature_page", lambda found, folder: write("literature", folder))
     monkeypatch.setattr(site, "classify", lambda one: SimpleNamespace(functional=one))
     monkeypatch.setattr(site, "render_page", lambda name, found, densities: f"{len(found)} functionals")
     (tmp_path / "pages").mkdir()
@@ -247,8 +252,8 @@ def test_a_page_of_a_functional_that_is_gone_is_removed(monkeypatch, tmp_path):
     site._write_functionals(tmp_path / "pages")
     names = {path.stem for path in (tmp_path / "pages").glob("*.md")}
     assert "gone" not in names
-    assert names == {"index", *gg.functionals()}
-    assert (tmp_path / "pages" / "index.md").read_text() == f"{len(gg.functionals())} functionals"
+    assert names == {"index", "literature", *BUILTIN}
+    assert (tmp_path / "pages" / "index.md").read_text() == f"{len(BUILTIN)} functionals"
 
 
 def test_a_page_that_says_the_same_is_not_written_again(tmp_path):

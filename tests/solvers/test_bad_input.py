@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from support import BUILTIN
 from support_solvers import farthest, mild_grid
 
 import gridgen_sym as gg
@@ -273,7 +274,7 @@ def test_a_grid_whose_powers_vanish_is_refused(solve):
         solve(gg.Grid(mild_grid().xy * 1e-100), "winslow")
 
 
-@pytest.mark.parametrize("name", gg.functionals())
+@pytest.mark.parametrize("name", BUILTIN)
 @each_solver
 def test_a_grid_of_one_point_is_not_called_good(solve, name):
     result = solve(gg.Grid(np.full((5, 5, 2), 0.3)), name)

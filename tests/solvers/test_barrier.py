@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support import NO_SHARED, SHARED
+from support import BUILTIN, NO_SHARED, SHARED
 from support_solvers import (
     BARRIER,
     METHODS,
@@ -179,7 +179,7 @@ def test_no_iterations_of_a_folded_start_do_not_count_as_converged(name):
     assert gradient_norm(result.grid, name) > 0
 
 
-@pytest.mark.parametrize("name", [name for name in gg.functionals() if name not in BARRIER])
+@pytest.mark.parametrize("name", [name for name in BUILTIN if name not in BARRIER])
 def test_untangling_needs_a_barrier(name):
     with pytest.raises(gg.GridgenError, match=f"needs a functional with a barrier .* '{name}' has none"):
         gg.untangle(gg.domain("swan", 9, 9), name)

@@ -6,6 +6,7 @@ from itertools import count
 
 import numpy as np
 import pytest
+from support import BUILTIN
 from support_solvers import BARRIER, disordered, edges
 
 import gridgen_sym as gg
@@ -23,7 +24,7 @@ SOLVERS = {
 }
 
 each_solver = pytest.mark.parametrize("solve", SOLVERS.values(), ids=SOLVERS)
-each_functional = pytest.mark.parametrize("name", gg.functionals())
+each_functional = pytest.mark.parametrize("name", BUILTIN)
 
 
 @each_solver

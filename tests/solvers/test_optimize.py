@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from support import BUILTIN
 from support_solvers import (
     METHODS,
     assert_consistent,
@@ -24,7 +25,7 @@ from support_solvers import (
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
 
-FUNCTIONALS = gg.functionals()
+FUNCTIONALS = BUILTIN
 #: Functionals whose energy has no unit.
 UNITLESS = ("winslow", "modified_liao")
 #: Those whose minimum in the mild grid's boundary is one point; area and orthogonality have many.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from support import BUILTIN
 from support_boundaries import (
     SEEDS,
     SIZES,
@@ -93,7 +94,7 @@ def test_any_boundary_gives_a_valid_grid_or_an_honest_answer(solve, name, start)
 
 
 @settings(max_examples=25)
-@given(boundary_grids(), st.sampled_from(gg.functionals()), st.sampled_from(sorted(SOLVERS)))
+@given(boundary_grids(), st.sampled_from(BUILTIN), st.sampled_from(sorted(SOLVERS)))
 def test_any_functional_and_solver_ends_with_a_finite_grid(start, name, solver):
     result = SOLVERS[solver](start, name, max_iterations=30, callback=stopwatch())
     assert np.isfinite(result.grid.planes).all()
@@ -213,7 +214,7 @@ def test_raising_the_smallest_jacobian_makes_nothing_worse():
 
 @pytest.mark.parametrize("solve", SOLVERS.values(), ids=SOLVERS)
 @settings(max_examples=25)
-@given(valid_grids(), st.sampled_from(gg.functionals()))
+@given(valid_grids(), st.sampled_from(BUILTIN))
 def test_a_valid_start_stays_valid(solve, start, name):
     assert solve(start, name, max_iterations=20, callback=stopwatch()).quality.valid
 
@@ -228,11 +229,11 @@ def scales(name):
     return np.ptp(ratios) < 1e-12 * max(ratios)
 
 
-HOMOGENEOUS = [name for name in gg.functionals() if scales(name)]
+HOMOGENEOUS = [name for name in BUILTIN if scales(name)]
 
 
 def test_most_functionals_are_homogeneous():
-    assert set(gg.functionals()) - set(HOMOGENEOUS) == {"combined", "area_winslow"}
+    assert set(BUILTIN) - set(HOMOGENEOUS) == {"combined", "area_winslow"}
 
 
 @settings(max_examples=40)

@@ -7,8 +7,9 @@ import random
 import numpy as np
 import pytest
 import sympy
+from support import BUILTIN
 
-from gridgen_sym.functionals import functional, functionals
+from gridgen_sym.functionals import functional
 from gridgen_sym.functionals.metric import symbol
 from gridgen_sym.symbolic import corner_model, has_barrier
 from gridgen_sym.symbolic.coordinates import (
@@ -32,7 +33,7 @@ from gridgen_sym.symbolic.coordinates import (
 )
 
 VARIANTS = ("plain", "frozen", "differentiated", "regularized", "target+regularized")
-CASES = [(n, v) for n in functionals() for v in VARIANTS if "regularized" not in v or has_barrier(functional(n))]
+CASES = [(n, v) for n in BUILTIN for v in VARIANTS if "regularized" not in v or has_barrier(functional(n))]
 DIGITS, STEP, CLOSE = 40, sympy.Rational(1, 10**10), 1e-15
 
 
@@ -84,7 +85,7 @@ def test_gradient_and_hessian_against_differences(name, variant):
                 assert derived == pytest.approx(expected, rel=CLOSE, abs=CLOSE)
 
 
-@pytest.mark.parametrize("name", functionals())
+@pytest.mark.parametrize("name", BUILTIN)
 def test_a_flipped_sign_is_seen(name):
     model = corner_model(functional(name))
     point = settings(model) | next(corners(1, 5))
@@ -93,7 +94,7 @@ def test_a_flipped_sign_is_seen(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", functionals())
+@pytest.mark.parametrize("name", BUILTIN)
 def test_position_derivatives_through_the_weight(name):
     model = corner_model(functional(name), "differentiated")
     weight = 3 + x**2 + 2 * x * y + y**3

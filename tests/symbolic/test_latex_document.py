@@ -6,10 +6,13 @@ import re
 
 import pytest
 import sympy
+from support import BUILTIN, LITERATURE
 
-from gridgen_sym.functionals import functional, functionals, is_builtin
+from gridgen_sym.functionals import functional
+from gridgen_sym.functionals.bibliography import REFERENCES
 from gridgen_sym.functionals.definition import Functional
-from gridgen_sym.functionals.references import REFERENCES, SOURCES, references_of
+from gridgen_sym.functionals.references import SOURCES, references_of
+from gridgen_sym.functionals.registry import literature_sources
 from gridgen_sym.symbolic import classify, corner_model, derive_latex, euler_lagrange
 from gridgen_sym.symbolic.coordinates import FIRST_DERIVATIVES, METRIC, SECOND_DERIVATIVES
 from gridgen_sym.symbolic.definiteness import almost_everywhere
@@ -26,7 +29,7 @@ OWN = {
     "null": Functional("null", "3*J"),
 }
 QUICK = ("length", "knupp", "two", "null")
-CASES = [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in (*functionals(), *OWN)]
+CASES = [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in (*BUILTIN, *OWN)]
 
 
 def known(name):
@@ -138,9 +141,10 @@ def test_a_kink_is_reported():
 
 
 def test_sources_are_cited_and_those_of_the_library_are_complete():
-    for name in functionals():
-        assert references_of(functional(name)) or not is_builtin(name)
-    assert {key for keys in SOURCES.values() for key in keys} == {*REFERENCES}
+    for name in (*BUILTIN, *LITERATURE):
+        assert references_of(functional(name))
+    used = [*SOURCES.values(), *map(literature_sources, LITERATURE)]
+    assert {key for keys in used for key in keys} == {*REFERENCES}
     for reference in REFERENCES.values():
         assert {"author", "title", "year"} <= {*reference.fields}
         assert reference.bibtex().count("{") == reference.bibtex().count("}")

@@ -7,10 +7,11 @@ from typing import Any
 
 from gridgen_sym.codegen.render import render_page
 from gridgen_sym.documentation.functional_page import write_functional_page, write_if_changed
-from gridgen_sym.functionals import functional, functionals, is_builtin
+from gridgen_sym.functionals import functional, functionals, is_builtin, is_literature
 from gridgen_sym.symbolic import classify
 from gridgen_sym.symbolic.report.latex import latex
 
+from .literature_page import write_literature_page
 from .paper_pages import write_paper_pages
 from .reference_pages import write_reference_pages
 
@@ -51,10 +52,11 @@ def write_pages(docs: Path) -> None:
 def _write_functionals(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     # A script of the gallery may have defined one of its own by now.
-    found = [classify(functional(name)) for name in functionals() if is_builtin(name)]
-    for one in found:
-        write_functional_page(one.functional, folder)
-    for page in set(folder.glob("*.md")) - {folder / f"{one.functional.name}.md" for one in found}:
+    known = [functional(name) for name in functionals() if is_builtin(name)]
+    found = [classify(one) for one in known if not is_literature(one.name)]
+    pages = {write_functional_page(one.functional, folder) for one in found}
+    pages.add(write_literature_page([one for one in known if is_literature(one.name)], folder))
+    for page in set(folder.glob("*.md")) - pages:
         page.unlink()
     densities = {one.functional.name: latex(one.functional.expression()) for one in found}
     write_if_changed(folder / "index.md", render_page("functionals_index.md.jinja", found=found, densities=densities))

@@ -6,11 +6,12 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import sympy
 
+from ...functionals.bibliography import PAPER
 from ...functionals.definition import Functional
 from ...functionals.expression import comparisons, names_in
 from ...functionals.field_kinds import components
 from ...functionals.metric import TARGET_NAMES, symbol
-from ...functionals.references import PAPER, references_of
+from ...functionals.references import references_of
 from ...functionals.variant import Modes, Variant
 from ..coordinates import s
 from .latex import latex_sentence
