@@ -175,7 +175,6 @@ def test_a_negative_number_of_iterations_is_refused(solve, limit):
     "options",
     [
         {"tolerance": "a"},
-        {"tolerance": None},
         {"tolerance": [1e-3]},
         {"max_iterations": 2.5},
         {"max_iterations": True},
