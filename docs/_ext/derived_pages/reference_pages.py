@@ -18,7 +18,7 @@ _COLUMNS = 86
 #: Packages of the public names, as a reader looks for them.
 _GROUPS: Mapping[str, str] = {
     "solvers": "Solvers",
-    "fields": "Weights and fields",
+    "fields": "Weights, fields and targets",
     "boundary": "Boundaries and domains",
     "grids": "Grids",
     "io": "Files",
