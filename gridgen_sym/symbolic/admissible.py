@@ -1,4 +1,4 @@
-"""The values that a functional allows its parameters and fields: at these, and no others, it is judged."""
+"""The values that a functional allows its parameters, fields, and xi and eta: at these, and no others, it is judged."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..arrays import Array
 from ..functionals.definition import Functional
 from ..functionals.expression import comparisons
 from ..functionals.field_kinds import TYPICAL, components
-from ..functionals.metric import symbol
+from ..functionals.metric import LOGICAL_NAMES, symbol
 
 #: A random value that is not admissible is moved toward the default, half of the way each time, so often.
 _HALVINGS = 20
@@ -25,7 +25,8 @@ class Admissible:
     """The admissible values of parameters, among them the defaults, and those of the components of fields.
 
     Attributes:
-        defaults: the default value of every parameter; a typical one of the components of scalars and vectors.
+        defaults: the default value of every parameter; a typical one of the components of scalars and vectors, and of
+            xi and eta, where they are named.
         inequalities: expressions that must not be negative, and whether they must be positive.
         equalities: expressions that must be zero.
         matrices: the components of matrices, in symbols in which they may take all their values, and no others.
@@ -75,12 +76,13 @@ class Admissible:
         """
         replaced, _ = self._eliminated()
         symbols: list[Symbol] = []
-        for expression, _ in self.inequalities:
+        for expression, strict in self.inequalities:
             rest = sympy.expand(expression.subs(replaced))
             found = _solved(rest, [p for p in self.defaults if p in rest.free_symbols])
             if found is not None:  # slope p + offset = t
                 parameter, slope, offset = found
-                change = {parameter: (sympy.Dummy("t", nonnegative=True) - offset) / slope}
+                bound = sympy.Dummy("t", positive=True) if strict else sympy.Dummy("t", nonnegative=True)
+                change = {parameter: (bound - offset) / slope}
             else:
                 change = _below(rest, symbols)
             replaced = {p: e.subs(change) for p, e in replaced.items()}
@@ -139,13 +141,27 @@ def admissible(functional: Functional) -> Admissible:
         else:
             matrices |= dict(zip(map(symbol, own), _MATRICES[kind](), strict=True))
     names = {name: symbol(name) for name in values}
-    signed = list(_signed(functional, names))
+    signed = [*_signed(functional, names), *_in_the_logical_square(functional)]
+    values |= {str(place): 0.5 for place in _logical(functional)}
+    names |= {str(place): place for place in _logical(functional)}
     return Admissible(
         {names[name]: float(value) for name, value in values.items()},
         tuple((expression, sign == ">") for expression, sign in signed if sign != "=="),
         tuple(expression for expression, sign in signed if sign == "=="),
         matrices,
     )
+
+
+def _logical(functional: Functional) -> list[Symbol]:
+    """Return those of xi and eta that the density names."""
+    named = functional.expression().free_symbols
+    return [place for place in map(symbol, LOGICAL_NAMES) if place in named]
+
+
+def _in_the_logical_square(functional: Functional) -> Iterator[tuple[Expr, str]]:
+    """Yield xi >= 0 and xi <= 1, and the same of eta, where the density names them."""
+    for place in _logical(functional):
+        yield from ((place, ">="), (1 - place, ">="))
 
 
 def _positive_definite() -> tuple[Expr, ...]:

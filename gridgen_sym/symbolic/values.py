@@ -47,6 +47,12 @@ class Values:
         """The slopes along xi and eta of those in `sloped`."""
         return tuple(slope for value in self.sloped for slope in _named(value.name, "xi", "eta"))
 
+    @property
+    def derivatives(self) -> tuple[Symbol, ...]:
+        """The first derivatives of values that are symbols, along xi and eta or in x and y."""
+        pairs = (self.in_plane.get(value, pair) for value, pair in self.along.items())
+        return tuple(dict.fromkeys(part for pair in pairs for part in pair if part.is_Symbol))
+
     def differentiate(self, expression: Expr, direction: int) -> Expr:
         """Differentiate in x (0) or y (1) of the node's own position, through the values that move with it."""
         return _chain(expression, {value: pair[direction] for value, pair in self.in_plane.items()})

@@ -60,7 +60,7 @@ def sample(cells):
 def exact_equations(definition, variant):
     """Return the residual and the matrix in front of the reduced system, as functions of the sampled values."""
     equations = euler_lagrange(definition, variant)
-    matrix = equations.reduction.matrix if equations.reduction else sympy.eye(2)
+    matrix = equations.reduction.operator.matrix if equations.reduction else sympy.eye(2)
     parts = [*equations.expanded(), *matrix]
     parts = [
         part.subs({sympy.Symbol(p, real=True): value for p, value in definition.parameters.items()}) for part in parts

@@ -95,7 +95,7 @@ def test_reduction_is_exact(name):
     derived = euler_lagrange(functional(name))
     reduction = derived.reduction
     assert reduction is not None
-    product = reduction.matrix * sympy.Matrix(reduction.system)
+    product = reduction.operator.matrix * sympy.Matrix(reduction.system)
     for left, right in zip(product, derived.residual, strict=True):
         assert sympy.cancel(expand_metric(left - right)) == 0
         assert sympy.cancel(expand_metric(left + right)) != 0
@@ -104,11 +104,11 @@ def test_reduction_is_exact(name):
 def test_winslow_reduces_to_the_classical_equations():
     reduction = euler_lagrange(functional("winslow")).reduction
     assert reduction is not None
-    assert reduction.determinant == 4 / J**4
+    assert reduction.operator.determinant == 4 / J**4
     g11, g12, g22 = (symbol(name) for name in ("g11", "g12", "g22"))
-    ratio = sympy.cancel(reduction.operator[0] / g22)
+    ratio = sympy.cancel(reduction.operator.coefficients[0] / g22)
     assert ratio.is_number
-    assert [sympy.expand(part / ratio) for part in reduction.operator] == [g22, -2 * g12, g11]
+    assert [sympy.expand(part / ratio) for part in reduction.operator.coefficients] == [g22, -2 * g12, g11]
 
 
 def test_the_jacobian_is_a_null_lagrangian():

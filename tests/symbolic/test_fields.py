@@ -213,7 +213,9 @@ def test_residual_is_the_functional_derivative_of_the_bare_density(name):
     solved = mpmath.matrix([found["r_x"], found["r_y"]])
     reduction = euler_lagrange(functional, variant).reduction
     if reduction:
-        entries = [expand_metric(entry).subs({str(k): v for k, v in values.items()}) for entry in reduction.matrix]
+        entries = [
+            expand_metric(entry).subs({str(k): v for k, v in values.items()}) for entry in reduction.operator.matrix
+        ]
         solved = mpmath.matrix([[mpf(entries[0]), mpf(entries[1])], [mpf(entries[2]), mpf(entries[3])]]) * solved
     for mine, expected in zip(solved, functional_derivative(formula), strict=True):
         assert close(mine, expected, SAME)

@@ -59,7 +59,8 @@ def _is_bounded(density: Expr, bound: Expr, *, rotates: bool) -> bool:
 
 def _is_nonnegative(expression: Expr) -> bool:
     rest, positive = without_functions(sympy.Matrix([[expression]]))
-    return is_nonnegative(rest[0], (_p, _r, s, chi, root, *positive))
+    allowed = (variable for variable in rest.free_symbols if variable.is_nonnegative)
+    return is_nonnegative(rest[0], (_p, _r, s, chi, root, *positive, *allowed))
 
 
 def _smallest_sample(density: Expr) -> float | None:

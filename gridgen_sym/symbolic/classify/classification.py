@@ -22,7 +22,7 @@ from ..derive.continuous import euler_lagrange
 from ..derive.discrete import corner_model, has_barrier, variant_density
 from ..values import values_of
 from .bounds import LowerBound, lower_bound
-from .ellipticity import Ellipticity, ellipticity
+from .ellipticity import Ellipticity, ellipticity, proved_by_operator
 from .invariance import (
     is_exchange_symmetric,
     is_logical_rotation_invariant,
@@ -132,7 +132,19 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
     rest = _rest(functional, variant, defaults)
     rotates, degree = is_rotation_invariant(density), scaling_degree(density)
     moves = values_of(functional, variant).moving
-    judged = density.subs(admissible(functional).of_fields(functional)).subs(defaults)
+    allowed = admissible(functional).of_fields(functional)
+    judged = density.subs(allowed).subs(defaults)
+    positive = s, epsilon
+    kind = ellipticity(
+        principal_symbol(judged) if functional.fields else matrix,
+        rotates=rotates,
+        turns=is_logical_rotation_invariant(density),
+        positive=positive,
+    )
+    operator = euler_lagrange(functional, variant).operator if functional.fields else None
+    if operator is not None:
+        signs = (part.subs(allowed).subs(defaults) for part in (operator.determinant, operator.discriminant))
+        kind = proved_by_operator(kind, *signs, positive)
     bends = kinks(judged)
     return Classification(
         functional=functional,
@@ -141,12 +153,7 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
         coupled=moves or _is_coupled(matrix, rest),
         symbol=matrix,
         determinant=determinant(matrix, rotates=rotates),
-        ellipticity=ellipticity(
-            principal_symbol(judged) if functional.fields else matrix,
-            rotates=rotates,
-            turns=is_logical_rotation_invariant(density),
-            positive=(s, epsilon),
-        ),
+        ellipticity=kind,
         null_lagrangian=not bends and _is_zero(matrix) and _is_zero(rest),
         translation=not moves,
         rotation=rotates and not moves,

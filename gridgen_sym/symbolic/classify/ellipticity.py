@@ -18,8 +18,8 @@ from typing import Literal
 import sympy
 from sympy import Expr, Symbol
 
-from ..coordinates import METRIC, epsilon, x_eta, x_xi, y_eta, y_xi
-from ..definiteness import is_nonnegative, is_positive, without_functions
+from ..coordinates import METRIC, J, epsilon, x_eta, x_xi, y_eta, y_xi
+from ..definiteness import is_nonnegative, is_positive, without_functions, without_square_roots
 from .principal_symbol import is_large, k1, k2
 from .random_jets import SAMPLES, Extremes, Type, extremes, witness
 
@@ -71,6 +71,25 @@ def ellipticity(matrix: sympy.Matrix, *, rotates: bool, turns: bool, positive: t
     if all(_is_constant(chart) for chart in charts):
         return Ellipticity(_exact_type(charts), "proved")
     return _proved(found, charts, positive)
+
+
+def proved_by_operator(
+    found: Ellipticity, determinant: Expr, discriminant: Expr, positive: tuple[Symbol, ...]
+) -> Ellipticity:
+    """Return what a scalar operator proves of a type that was sampled: det A = det M (alpha k1² + ... + gamma k2²)².
+
+    Args:
+        found: by other means.
+        determinant: of the matrix M before the operator, in the metric.
+        discriminant: of the operator, 4 alpha gamma - beta², in the metric.
+        positive: symbols with positive values, such as the weight.
+    """
+    if found.type != "elliptic" or found.proof != "sampled":
+        return found
+    jacobian = sympy.Dummy("J", positive=True)
+    signs = [without_square_roots(part.subs(J, jacobian)) for part in (determinant, discriminant)]
+    known = (*positive, *_positive_in(signs[0]), *_positive_in(signs[1]))
+    return Ellipticity("elliptic", "proved") if all(is_positive(part, known) for part in signs) else found
 
 
 def _proved(found: Extremes, charts: list[Expr], positive: tuple[Symbol, ...]) -> Ellipticity:

@@ -35,11 +35,13 @@ from ..coordinates import (
 )
 from ..values import Values, values_of
 from .discrete import gradient, hessian, variant_density
-from .reduction import Reduction, find_reduction
+from .reduction import Reduction, ScalarOperator, find_reduction, find_scalar_operator
 
 #: The derivatives along xi and eta of every first derivative, in the order of `FIRST_DERIVATIVES`.
 ALONG_XI = (x_xixi, y_xixi, x_xieta, y_xieta)
 ALONG_ETA = (x_xieta, y_xieta, x_etaeta, y_etaeta)
+#: Where more derivatives of values enter, as those of a target do, a reduction takes long to find and shows little.
+_MOST_SLOPES = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +58,7 @@ class EulerLagrange:
         coefficients: for every second derivative the pair of its coefficients in the two residuals.
         rest: what is left of the two residuals, of lower order.
         residual: the two expanded residuals, in the metric symbols.
+        operator: the scalar operator of which the second-order part is a multiple, where there is one.
         reduction: a simpler equivalent system, where one was found.
     """
 
@@ -67,6 +70,7 @@ class EulerLagrange:
     coefficients: Mapping[Symbol, tuple[Expr, Expr]]
     rest: tuple[Expr, Expr]
     residual: tuple[Expr, Expr]
+    operator: ScalarOperator | None
     reduction: Reduction | None
 
     def expanded(self) -> tuple[Expr, Expr]:
@@ -103,6 +107,9 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
         sum((coefficients[second][component] * second for second in SECOND_DERIVATIVES), rest[component])
         for component in (0, 1)
     )
+    lower = rest[0], rest[1]
+    few = len(values.derivatives) <= _MOST_SLOPES
+    operator = find_scalar_operator(coefficients, lower) if few else None
     return EulerLagrange(
         functional=functional,
         variant=variant,
@@ -110,9 +117,10 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
         fluxes=fluxes,
         sources=sources,
         coefficients=coefficients,
-        rest=(rest[0], rest[1]),
+        rest=lower,
         residual=(residual[0], residual[1]),
-        reduction=find_reduction(coefficients, (rest[0], rest[1])),
+        operator=operator,
+        reduction=find_reduction(operator, lower, values.derivatives),
     )
 
 

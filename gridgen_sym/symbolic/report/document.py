@@ -25,6 +25,8 @@ from .breaking import Piece
 from .description import sentence
 from .displays import Equation, group, one
 from .equations import Equations
+from .fields import control_functions, matrix_name, what_drops_out
+from .latex import latex_sentence
 from .printer import symbol_name
 from .sections import moving_variants
 from .tidy import tidy, tidy_quadratic
@@ -135,18 +137,31 @@ def _reduced(derived: EulerLagrange, tail: str, equations: Equations) -> str:
     """Return the simpler system that the equations are equivalent to; nothing where none was found."""
     if derived.reduction is None:
         return ""
-    reduction = derived.reduction
-    matrix = equations.matrix(f"matrix{tail}", "M", reduction.matrix.applyfunc(tidy), ",", entry="m")
-    determinant = one(equations.named(f"determinant{tail}", r"\det M", reduction.determinant), ",")
+    reduction, name = derived.reduction, matrix_name(derived.functional)
+    operator = reduction.operator
+    matrix = equations.matrix(f"matrix{tail}", name, operator.matrix.applyfunc(tidy), ",", entry=name.lower())
+    determinant = one(equations.named(f"determinant{tail}", rf"\det {name}", operator.determinant), ",")
     system = [
         equations.named(f"reduced-{r}{tail}", f"w_{r}", part) for r, part in zip("xy", reduction.system, strict=True)
     ]
     reference = equations.reference(f"expanded{tail}")
     return (
-        f"The left sides of {reference} are the components of $M \\, (w_x, w_y)^T$, where the matrix\n{matrix}\n"
+        f"The left sides of {reference} are the components of ${name} \\, (w_x, w_y)^T$, where the matrix\n{matrix}\n"
         f"has the determinant\n{determinant}\nand\n{group(system, equations.label(f'reduced{tail}'))}\n"
-        f"Wherever $\\det M$ is not zero, the equations {reference} hold if and only if $w_x = w_y = 0$ (proved)."
+        f"Wherever $\\det {name}$ is not zero, the equations {reference} hold if and only if $w_x = w_y = 0$ (proved)."
+        f"{_control(derived, tail, equations)}"
     )
+
+
+def _control(derived: EulerLagrange, tail: str, equations: Equations) -> str:
+    """Return the control functions of a reduced system; nothing where it has none."""
+    control = derived.reduction.control if derived.reduction else None
+    if control is None:
+        return ""
+    functions = [equations.named(f"control-{n}{tail}", n, part) for n, part in zip("PQ", control, strict=True)]
+    rest = "\n".join(latex_sentence(item) for item in list(control_functions(derived))[3:] if isinstance(item, str))
+    shown = group(functions, equations.label(f"control{tail}"))
+    return f" In these equations, the terms of first order are those of the control functions\n{shown}\n{rest}"
 
 
 def _classification(functional: Functional, equations: Equations) -> Iterator[str]:
@@ -165,7 +180,11 @@ def _classification(functional: Functional, equations: Equations) -> Iterator[st
     )
     yield f"Its determinant is\n{one(determinant)}"
     yield prose.joined(
-        [findings.type_of_equations(found, equations.reference("expanded")), *findings.properties(found)]
+        [
+            findings.type_of_equations(found, equations.reference("expanded")),
+            *findings.properties(found),
+            *map(latex_sentence, what_drops_out(functional)),
+        ]
     )
 
 

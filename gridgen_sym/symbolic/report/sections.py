@@ -17,6 +17,7 @@ from ..classify.principal_symbol import k1, k2
 from ..coordinates import FIRST_DERIVATIVES, Variant, s
 from ..derive.continuous import EulerLagrange, euler_lagrange
 from ..derive.discrete import CornerModel, corner_model
+from .fields import control_functions, declarations, matrix_name, what_drops_out
 from .tidy import common_factor, paper_order, tidy, tidy_quadratic
 
 
@@ -65,11 +66,13 @@ class Section:
 
 def sections(functional: Functional) -> Iterator[Section]:
     """Yield the sections of the report on a functional."""
-    yield Section("Density", (("F", functional.expression()),))
+    yield Section("Density", (("F", functional.expression()), *declarations(functional)))
     yield from _corner(corner_model(functional, "plain"))
-    yield from _equations(euler_lagrange(functional, "plain"), "Euler-Lagrange equations, with s = 1")
+    held = "fields held" if functional.fields else "with s = 1"
+    yield from _equations(euler_lagrange(functional, "plain"), f"Euler-Lagrange equations, {held}")
     found = classify(functional)
-    yield Section(f"Classification, where J > 0{_at_defaults(functional)}", tuple(_classification(found)))
+    judged = (*_classification(found), *what_drops_out(functional))
+    yield Section(f"Classification, where J > 0{_at_defaults(functional)}", judged)
     for variant in moving_variants(functional):
         modes = Modes.read(variant)
         held = ", ".join(
@@ -139,12 +142,14 @@ def _equations(derived: EulerLagrange, title: str, *, detail: bool = False) -> I
     yield Section(title, tuple(expanded_form(derived, row) for row in rows), "expanded form (x, y)", detail)
     if derived.reduction is not None:
         reduction = derived.reduction
+        name = matrix_name(derived.functional)
         items: tuple[Item, ...] = (
-            "The residuals are M times w, so that w = 0 wherever det M is not zero.",
-            ("M", reduction.matrix.applyfunc(tidy)),
-            ("det M", reduction.determinant),
+            f"The residuals are {name} times w, so that w = 0 wherever det {name} is not zero.",
+            (name, reduction.operator.matrix.applyfunc(tidy)),
+            (f"det {name}", reduction.operator.determinant),
             ("w_x", reduction.system[0]),
             ("w_y", reduction.system[1]),
+            *control_functions(derived),
         )
         yield Section(title, items, "reduced system", detail)
 

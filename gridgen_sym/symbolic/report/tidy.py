@@ -11,7 +11,7 @@ from sympy import Expr, Symbol
 from ...functionals.metric import symbol
 from ..coordinates import SECOND_DERIVATIVES, expand_metric, g11, g22
 from ..definiteness import almost_everywhere, is_high
-from ..derive.reduction import in_metric
+from ..derive.in_metric import in_metric
 
 #: More operations than this, and an expression is left as it was derived: factoring it would take too long.
 _LARGEST = 600
