@@ -143,8 +143,8 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
     )
     operator = euler_lagrange(functional, variant).operator if functional.fields else None
     if operator is not None:
-        signs = (part.subs(allowed).subs(defaults) for part in (operator.determinant, operator.discriminant))
-        kind = proved_by_operator(kind, *signs, positive)
+        signs = [part.subs(allowed).subs(defaults) for part in (operator.determinant, operator.discriminant)]
+        kind = proved_by_operator(kind, signs[0], signs[1], positive)
     bends = kinks(judged)
     return Classification(
         functional=functional,

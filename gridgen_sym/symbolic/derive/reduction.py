@@ -183,8 +183,8 @@ def _proportional_at_a_point(matrices: list[list[Expr]]) -> bool:
             strict=True,
         )
     )
-    others = set().union(*(entry.free_symbols for matrix in matrices for entry in matrix)) - point.keys()
-    others = sorted(others - DEFINITIONS.keys(), key=str)
+    present: set[Symbol] = set().union(*(entry.free_symbols for matrix in matrices for entry in matrix))
+    others = sorted(present - point.keys() - DEFINITIONS.keys(), key=str)
     point |= {symbol: sympy.Rational(i + 3, 2 * i + 5) for i, symbol in enumerate(others)}
     for symbol in DEFINITIONS:
         point[symbol] = expand_metric(symbol).subs(point)

@@ -25,9 +25,9 @@ from .breaking import Piece
 from .description import sentence
 from .displays import Equation, group, one
 from .equations import Equations
-from .fields import control_functions, matrix_name, what_drops_out
+from .fields import matrix_name, simple_control, what_drops_out
 from .latex import latex_sentence
-from .printer import symbol_name
+from .printer import latex, symbol_name
 from .sections import moving_variants
 from .tidy import tidy, tidy_quadratic
 
@@ -159,9 +159,17 @@ def _control(derived: EulerLagrange, tail: str, equations: Equations) -> str:
     if control is None:
         return ""
     functions = [equations.named(f"control-{n}{tail}", n, part) for n, part in zip("PQ", control, strict=True)]
-    rest = "\n".join(latex_sentence(item) for item in list(control_functions(derived))[3:] if isinstance(item, str))
     shown = group(functions, equations.label(f"control{tail}"))
-    return f" In these equations, the terms of first order are those of the control functions\n{shown}\n{rest}"
+    text = (
+        " The terms of first order are $\\alpha P r_\\xi + \\gamma Q r_\\eta$, where $\\alpha$ and $\\gamma$ multiply"
+    )
+    text += f" $r_{{\\xi\\xi}}$ and $r_{{\\eta\\eta}}$ for $r = x, y$, with the control functions\n{shown}"
+    simple = simple_control(derived)
+    if simple is None:
+        return text
+    where = " = ".join([*map(symbol_name, simple[0]), "0"])
+    values = " and ".join(f"${n} = {latex(part)}$" for n, part in zip("PQ", simple[1], strict=True))
+    return f"{text}\nWhere ${where}$, they are {values}."
 
 
 def _classification(functional: Functional, equations: Equations) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import sympy
-from sympy import Expr
+from sympy import Expr, Symbol
 
 from ...functionals.definition import Functional
 from ...functionals.expression import names_in
@@ -64,18 +64,23 @@ def control_functions(derived: EulerLagrange) -> Iterator[str | tuple[str, Expr]
     yield "That is w = alpha (r_xixi + P r_xi) + beta r_xieta + gamma (r_etaeta + Q r_eta), with the control functions"
     yield ("P", control[0])
     yield ("Q", control[1])
-    plain, beyond = (
-        [
-            term
-            for part in control
-            for term in sympy.Add.make_args(part)
-            if bool(term.free_symbols & {*METRIC}) == metric
-        ]
-        for metric in (False, True)
-    )
-    slopes = {*derived.values.derivatives}
-    vanishing = set().union(*(term.free_symbols & slopes for term in beyond))
-    if plain and beyond and not any(term.free_symbols & vanishing for term in plain):
-        where = " and ".join(f"{slope} = 0" for slope in sorted(vanishing, key=str))
-        values = [part.subs(dict.fromkeys(vanishing, 0)) for part in control]
+    simple = simple_control(derived)
+    if simple is not None:
+        vanishing, values = simple
+        where = " and ".join(f"{slope} = 0" for slope in vanishing)
         yield f"Where {where}, they are P = {values[0]} and Q = {values[1]}."
+
+
+def simple_control(derived: EulerLagrange) -> tuple[list[Symbol], list[Expr]] | None:
+    """Return which slopes must vanish for the control functions to be free of the metric, and what they are then.
+
+    None where they are so anyway, or where too little would be left.
+    """
+    control = derived.reduction.control if derived.reduction else None
+    terms = [term for part in control or () for term in sympy.Add.make_args(part)]
+    plain, beyond = ([term for term in terms if bool(term.free_symbols & {*METRIC}) == metric] for metric in (0, 1))
+    slopes = {*derived.values.derivatives}
+    vanishing = sorted(set().union(*(term.free_symbols & slopes for term in beyond)), key=str)
+    if control is None or not beyond or not plain or any(term.free_symbols & {*vanishing} for term in plain):
+        return None
+    return vanishing, [part.subs(dict.fromkeys(vanishing, 0)) for part in control]
