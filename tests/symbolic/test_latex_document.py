@@ -100,7 +100,7 @@ def derived(definition):
         }
         if equation.reduction:
             result |= {f"reduced-{r}{tail}": w for r, w in zip("xy", equation.reduction.system, strict=True)}
-            result |= {f"determinant{tail}": equation.reduction.determinant}
+            result |= {f"determinant{tail}": equation.reduction.operator.determinant}
     return result
 
 
