@@ -213,8 +213,9 @@ def test_a_report_has_the_branches_in_words_and_in_latex():
     assert "F = where(J > 1, J**2, J) + max(g11, g22)" in report
     for tie in ("g11 - g22", "J - 1"):
         assert f"The first derivatives of F jump or do not exist where {tie} = 0: " in report
-    assert r"\max\left(g_{11}, g_{22}\right)" in formulas
+    assert r"\max(g_{11}, g_{22})" in formulas
     assert r"\begin{cases} J^{2} & \text{if } J > 1 \\ J & \text{otherwise} \end{cases}" in formulas
+    assert r"$\theta_{1} = 1$ where $J > 1$, $\theta_{2} = 1$ where $g_{11} < g_{22}$, and each is 0 elsewhere" in formulas
     assert "choice" not in report + formulas
 
 
