@@ -97,8 +97,10 @@ class Equations:
     def divergence(self, derived: EulerLagrange, row: int, label: str) -> Equation:
         """Return an equation, that of x (0) or of y (1), in divergence form."""
         form = divergence_form(derived, row)
-        sign, across = split_sign(form.along_eta)
-        parts = joined(self._operator(r"\partial_\xi", form.along_xi), sign, self._operator(r"\partial_\eta", across))
+        parts: list[Piece] = []
+        for operator, flux in ((r"\partial_\xi", form.along_xi), (r"\partial_\eta", form.along_eta)):
+            sign, size = split_sign(flux)
+            parts = joined(parts, sign, self._operator(operator, size))
         for term in self._terms(-form.source):
             parts = joined(parts, *self._times(term))
         return Equation(self.label(label), "", tuple(after(parts, " = 0")))

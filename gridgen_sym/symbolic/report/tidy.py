@@ -19,6 +19,8 @@ _LARGEST = 600
 _LARGEST_WRITTEN = 100
 #: Expressions with roots and more symbols than this are not factored.
 _MOST_SYMBOLS = 7
+#: A sum within three others counts as so many operations.
+_NESTED = 8
 _TRACE = symbol("trace")
 
 
@@ -33,13 +35,23 @@ def tidy(expression: Expr) -> Expr:
     if not expression.is_rational_function(*expression.free_symbols) or size > _LARGEST:
         return expression.subs(roots)
     if roots and len(expression.free_symbols) > _MOST_SYMBOLS:
-        return min((expression, sympy.factor_terms(sympy.together(expression))), key=sympy.count_ops).subs(roots)
+        return min((expression, sympy.factor_terms(sympy.together(expression))), key=_effort).subs(roots)
     single = [sympy.factor(expression)]
     if expression.has(g11) and expression.has(g22):
         single.append(sympy.factor(expression.subs(g11, _TRACE - g22)).subs(_TRACE, g11 + g22))
     if size <= _LARGEST_WRITTEN and not is_high([expression]):
         single.append(in_metric(sympy.factor(expand_metric(expression))))
-    return min((expression, *map(sympy.factor_terms, single)), key=sympy.count_ops).subs(roots)
+    return min((expression, *map(sympy.factor_terms, single)), key=_effort).subs(roots)
+
+
+def _effort(expression: Expr) -> int:
+    """Return how hard an expression is to read: its operations, and what is nested within brackets of brackets."""
+    return int(sympy.count_ops(expression)) + _NESTED * max(0, _sums_within(expression) - 3)
+
+
+def _sums_within(expression: Expr) -> int:
+    """Return how many sums are within each other at most."""
+    return max(map(_sums_within, expression.args), default=0) + bool(expression.is_Add)
 
 
 def _without_roots(expression: Expr) -> tuple[Expr, dict[Symbol, Expr]]:
