@@ -15,6 +15,7 @@ from .field import field_of, fields_of, target_of
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
+from .walls import WALL_HELP, walls_of
 
 if TYPE_CHECKING:
     from ..fields import Weight
@@ -64,6 +65,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     help="What cells should be like: a grid file of the same size (its cells), or two edge lengths and an angle in "
     "degrees, formulas in xi and eta: '0.01*(1 + xi), 0.02, 90'.",
 )
+@click.option("--wall", "walls", multiple=True, metavar="SIDE:first=HEIGHT,...", help=WALL_HELP)
 @click.option(
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter. May be repeated."
 )
@@ -119,6 +121,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     given["parameters"] = parameters_of(name, options["parameters"])
     given["weight"] = _weight(options["weight"], options["weight_mode"], options["allow_negative_weight"])
     given["fields"], given["target"] = fields_of(options["fields"]), target_of(options["target"])
+    given["walls"] = walls_of(options["walls"]) or None
     if quiet:
         given["progress"] = False
     if solver in ("newton", "local"):
