@@ -314,6 +314,13 @@ def test_functionals_proves_nothing_and_is_quick(monkeypatch):
     assert "changing type" in run("functionals")
 
 
+def test_info_says_what_is_wrong_with_the_backend(monkeypatch):
+    monkeypatch.setenv("GRIDGEN_SYM_BACKEND", "nope")
+    said = run("info")
+    assert "none: unknown backend 'nope'" in said
+    assert "numpy  " in said
+
+
 def test_info_says_what_is_wrong_with_the_compiler_and_the_cache(monkeypatch, tmp_path):
     from gridgen_sym.runtime import cache_folder
 

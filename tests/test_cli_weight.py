@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -22,6 +24,7 @@ def _in_a_folder_with_samples(tmp_path, monkeypatch):
     samples = np.column_stack((x.ravel(), y.ravel(), values.ravel()))
     np.savetxt("samples.csv", samples, delimiter=",", header="x,y,value", comments="")
     np.savez("nodes.npz", values=np.ones((13, 13)))
+    Path("samples.txt").touch()
 
 
 def run(*arguments, code=0):
@@ -48,6 +51,8 @@ def test_samples_in_a_file_are_a_weight(file, mode):
     [
         (("--weight", "nodes.npz", "--weight-mode", "differentiated"), "an array of weights has no derivatives"),
         (("--weight", "gone.csv"), "cannot read gone.csv: there is no such file"),
+        (("--weight", "a.vts"), "cannot read the field a.vts: a field is a formula in x and y, or a .npz or .csv file"),
+        (("--weight", "samples.txt"), "cannot read the field samples.txt: a field is a formula"),
         (("--weight", "1 + z"), "the weight: unknown name 'z'"),
         (("--weight-mode", "frozen"), "need a --weight FIELD"),
     ],
@@ -58,3 +63,8 @@ def test_bad_weights_are_refused(arguments, match):
 
 def test_values_at_the_nodes_of_the_start_are_a_weight():
     assert "converged" in run("--weight", "nodes.npz")
+
+
+def test_a_file_whose_name_is_a_formula_is_a_formula():
+    Path("x").touch()
+    assert "converged" in run("--weight", "x")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import inspect
 import pickle
+from enum import Enum
 
 import pytest
 
@@ -68,3 +71,44 @@ def test_what_nobody_shortened_is_cut_in_its_middle():
 def test_quoting():
     assert quoted("k") == "'k'"
     assert quoted(LONG) == f"'{'x' * 199}... (100002 characters)"
+
+
+def needing_arguments():
+    """The public functions and classes that cannot be called without arguments; enums are Python's own."""
+    for name in gg.__all__:
+        value = getattr(gg, name)
+        wrong = isinstance(value, type) and issubclass(value, Exception | Enum)
+        if callable(value) and not wrong and required(value):
+            yield name
+
+
+def required(function):
+    """The parameters without a default value."""
+    parameters = inspect.signature(function).parameters.values()
+    return [one for one in parameters if one.default is one.empty and one.kind is one.POSITIONAL_OR_KEYWORD]
+
+
+@pytest.mark.parametrize("name", [*needing_arguments()])
+@pytest.mark.filterwarnings("ignore")
+def test_nonsense_gets_an_error_of_the_package_and_no_other(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    function = getattr(gg, name)
+    count = len(required(function))
+    for given in (None, 3, "x", object(), [], (1, 2)):
+        for arguments in ([given] * count, [SQUARE, *[given] * (count - 1)]):
+            with contextlib.suppress(GridgenError):
+                function(*arguments)
+
+
+def test_what_is_returned_can_be_compared_and_hashed():
+    clockwise = gg.Grid(SQUARE.xy[::-1])
+    for make in (
+        lambda: gg.certificates(clockwise)[0],
+        lambda: gg.untangle(clockwise, progress=False).certificates[0],
+        lambda: gg.quality(clockwise),
+    ):
+        assert make() == make()
+        assert hash(make()) == hash(make())
+    for result in (gg.untangle(clockwise, progress=False), gg.adapt(SQUARE, "x*y", max_iterations=1, progress=False)):
+        assert result == result
+        assert isinstance(hash(result), int)

@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..errors import GridgenError
 from ..fields import Weight
 from ..grids import Grid, corner_jacobians
+from ..grids.grid import check_grid
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +55,7 @@ def equidistribution(grid: Grid, weight: Weight | npt.ArrayLike) -> Equidistribu
     Raises:
         GridgenError: if the weight is negative somewhere, for then the spreads mean nothing.
     """
+    check_grid(grid)
     given = weight if isinstance(weight, Weight) else Weight(weight)
     if given.per_node:
         s = cell_means(given.values(grid.planes))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..arrays import Array
 from ..fields.sampled import grid_field
@@ -48,8 +48,8 @@ class AdaptResult:
     """
 
     grid: Grid
-    values: Array
-    density: Array
+    values: Array = field(compare=False)
+    density: Array = field(compare=False)
     status: Status
     message: str
     history: tuple[AdaptStep, ...]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from ..arrays import Array
@@ -64,7 +64,7 @@ class Certificate:
     kind: Kind
     nodes: tuple[Node, ...]
     point: tuple[float, float]
-    numbers: Mapping[str, float]
+    numbers: Mapping[str, float] = field(hash=False)
     message: str
 
     @property

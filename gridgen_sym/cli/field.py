@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from ..fields import Field, Target
     from ..fields.scalar import Source
 
+_FILES = "a field is a formula in x and y, or a .npz or .csv file with a raster, samples or values at the nodes"
 _ARRAYS = "expected the arrays x (nx,), y (ny,) and values (nx, ny), or values (ni, nj) at the nodes of the start"
 _SAMPLES = "expected the header x,y,value and one sample per line"
 #: A cubic needs so many samples; its slopes are what most monitors look at.
@@ -105,12 +107,34 @@ def _source(text: str, *, smooth: bool) -> Any:  # noqa: ANN401
     """Return a formula as it is, and what a file holds; a tuple of what has several values per sample."""
     suffix = Path(text).suffix.lower()
     if suffix not in (".npz", ".csv"):
+        if _is_other_file(text, suffix):
+            raise GridgenError(f"cannot read the field {shortened(text)}: {_FILES}")
         return text
     data = read_bytes(text)
     try:
         return _arrays(data, smooth) if suffix == ".npz" else _samples(data, smooth)
     except GridgenError as error:
         raise GridgenError(f"cannot read the field {text}: {error}") from error
+
+
+def _is_other_file(text: str, suffix: str) -> bool:
+    """Return whether a text names a file that holds no field, and not a formula."""
+    from ..io import known_suffixes
+
+    return suffix in known_suffixes() or (os.path.isfile(text) and not _is_formula(text))
+
+
+def _is_formula(text: str) -> bool:
+    from ..fields.field import VARIABLES
+    from ..fields.formula import Formula
+
+    for variables in VARIABLES.values():
+        try:
+            Formula(text, variables)
+        except GridgenError:
+            continue
+        return True
+    return False
 
 
 def _arrays(data: bytes, smooth: bool) -> Any:  # noqa: ANN401

@@ -60,14 +60,15 @@ def _compiler(compiler: Compiler | GridgenError | None) -> str:
 
 
 def _backend(compiler: Compiler | GridgenError | None) -> str:
-    """Return the name of the backend in use, and why it is that one."""
+    """Return the name of the backend in use and why it is that one, or why none is."""
     from ..runtime import choose_backend
 
     forced = os.environ.get("GRIDGEN_SYM_BACKEND")
     if isinstance(compiler, GridgenError) and forced != "numpy":
         return "none (see the next line)"
     if forced:
-        return f"{choose_backend().name} (GRIDGEN_SYM_BACKEND)"
+        chosen = _found(choose_backend)
+        return f"none: {chosen}" if isinstance(chosen, GridgenError) else f"{chosen.name} (GRIDGEN_SYM_BACKEND)"
     return "c (a compiler was found)" if compiler else "numpy (no C compiler was found)"
 
 

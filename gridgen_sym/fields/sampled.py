@@ -142,7 +142,7 @@ def raster_field(x: npt.ArrayLike, y: npt.ArrayLike, values: npt.ArrayLike, *, s
     fewest = _FEWEST_SMOOTH if smooth else 2
     for axis, name in zip(axes, "xy", strict=True):
         steps = np.diff(axis) if axis.ndim == 1 else np.zeros(1)
-        if len(axis) < fewest or not (np.all(steps > 0) or np.all(steps < 0)):
+        if axis.ndim != 1 or len(axis) < fewest or not (np.all(steps > 0) or np.all(steps < 0)):
             raise GridgenError(f"the raster's {name} must be at least {fewest} coordinates in order, shape (n,)")
     if value.shape != (len(axes[0]), len(axes[1])):
         other = " Pass the transpose of the values." if value.shape == (len(axes[1]), len(axes[0])) else ""

@@ -209,7 +209,15 @@ def corner_jacobians(x: Array, y: Array) -> Array:
     Returns:
         An array of shape (4, ni-1, nj-1). For cell (i, j) the corners follow counter-clockwise, at the nodes
         0: (i, j), 1: (i+1, j), 2: (i+1, j+1), 3: (i, j+1).
+
+    Raises:
+        GridgenError: for what is no such array.
     """
+    if not (isinstance(x, np.ndarray) and isinstance(y, np.ndarray) and x.ndim == 2 and x.shape == y.shape):
+        raise GridgenError(
+            f"corner_jacobians needs two arrays of one shape (ni, nj), such as grid.x and grid.y; came "
+            f"{quoted(x)} and {quoted(y)}"
+        )
     x_xi, y_xi = x[1:] - x[:-1], y[1:] - y[:-1]
     x_eta, y_eta = x[:, 1:] - x[:, :-1], y[:, 1:] - y[:, :-1]
     low, high = slice(None, -1), slice(1, None)

@@ -73,6 +73,8 @@ def plot_grids(
         GridgenError: if there are no grids or no columns, and as for `plot_grid`.
         MissingExtraError: if Matplotlib is not installed.
     """
+    if not isinstance(grids, Sequence):
+        raise GridgenError(f"a picture in panels takes a list of pairs of a title and a grid; came {quoted(grids)}")
     if not grids or columns < 1:
         raise GridgenError(f"a picture in panels needs a grid and a column, but has {len(grids)} and {columns}")
     for pair in grids:
