@@ -21,6 +21,7 @@ from ..cache import digest, find_kept, keep
 from ..functionals import functional as find_functional
 from ..functionals import functionals, is_builtin
 from ..functionals.definition import Functional
+from ..functionals.registry import literature_sources
 from ..resources import resource_folder
 
 _PACKAGE = Path(__file__).parent.parent
@@ -121,7 +122,8 @@ def _key_of_formula(functional: Functional) -> str:
 
     formula = sympy.srepr(functional.expression())
     others = (field.name for field in fields(functional) if field.name != "density")
-    return digest(formula, *(f"{name} {getattr(functional, name)!r}" for name in others))
+    cited = literature_sources(functional.name)
+    return digest(formula, *(f"{name} {getattr(functional, name)!r}" for name in others), *cited)
 
 
 @lru_cache(maxsize=1)
