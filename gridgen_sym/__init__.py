@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from .plotting import plot_certificates as plot_certificates
     from .plotting import plot_grid as plot_grid
     from .plotting import plot_grids as plot_grids
+    from .solvers import ContinuationResult as ContinuationResult
     from .solvers import Result as Result
     from .solvers import Status as Status
     from .solvers import Step as Step
@@ -85,6 +86,7 @@ if TYPE_CHECKING:
     from .solvers import hessian as hessian
     from .solvers import solve_euler_lagrange as solve_euler_lagrange
     from .solvers import untangle as untangle
+    from .solvers.continuation import continuation as continuation
     from .solvers.optimize import optimize as optimize
 
 #: The packages of the public names that are loaded when they are used.
@@ -100,7 +102,10 @@ _PACKAGES = {
     "functionals": "Functional define functional functionals",
     "grids": "Grid Quality corner_jacobians quality transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",
-    "solvers": "Result Status Step StopReason energy gradient hessian optimize solve_euler_lagrange untangle",
+    "solvers": (
+        "ContinuationResult Result Status Step StopReason continuation energy gradient hessian optimize "
+        "solve_euler_lagrange untangle"
+    ),
 }
 _HOMES = {name: package for package, names in _PACKAGES.items() for name in names.split()}
 

@@ -137,6 +137,11 @@ def test_a_time_limit_leaves_the_best_grid_which_decides_the_exit_code(solver):
     assert "time_limit must be a positive number" in run("grid", "wavy", *limit[:-1], "-1", code=2)
 
 
+def test_continuation_in_a_parameter():
+    said = run("grid", "quarter_annulus", "-f", "area_winslow", "--size", "6x5", "--continuation", "k=1, 0.1")
+    assert "iterations: k = 0.1: " in said
+
+
 def test_weights_and_parameters():
     weight = ["--weight", "1 + x**2", "--weight-mode", "differentiated"]
     run("grid", "square", "-f", "area", "--size", 6, 6, *weight, "--interior-only")
@@ -183,6 +188,12 @@ BAD = {
     "no number": (["horseshoe_map:R=big", "-f", "winslow"], "written NAME=NUMBER"),
     "a parameter of the functional": (["swan", "-f", "winslow", "--parameter", "k=1"], "has no parameter 'k'"),
     "no equals sign": (["swan", "-f", "knupp", "--parameter", "k"], "written NAME=NUMBER"),
+    "continuation without numbers": (["swan", "-f", "winslow", "--continuation", "k=a"], "written NAME=NUMBER,NUMBER"),
+    "continuation of equations": (
+        ["swan", "-f", "area_winslow", "--solver", "relaxation", "--continuation", "k=1,0.1"],
+        "--continuation belongs to the discrete energy",
+    ),
+    "continuation of a bad value": (["swan", "-f", "area_winslow", "--continuation", "k=1,-1"], "needs k > 0"),
     "a broken constraint": (["swan", "-f", "combined", "--parameter", "k_A=3"], "needs k_A + k_L + k_O == 1"),
     "a mode without a weight": (["swan", "-f", "area", "--weight-mode", "frozen"], "need a --weight"),
     "a bad formula": (["swan", "-f", "area", "--weight", "x^2"], "^"),

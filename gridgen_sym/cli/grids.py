@@ -13,7 +13,7 @@ from ..errors import GridgenError
 from .base import functionals_option
 from .field import field_of, fields_of, target_of
 from .output import Announcement, certify_and_draw, check_outputs, report
-from .start import parameters_of, start_grid, start_options
+from .start import continuation_of, parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
 from .walls import WALL_HELP, walls_of
 
@@ -69,6 +69,12 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option(
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter. May be repeated."
 )
+@click.option(
+    "--continuation",
+    metavar="NAME=V1,V2,...",
+    help="Minimize for one value of a parameter after the other, each time from the last grid: omega=1,0.1,0.01 "
+    "(newton and local).",
+)
 @click.option("--tolerance", type=number, help="Factor by which the gradient or the residual must fall.")
 @click.option("--max-iterations", type=integer, help="Newton steps, or sweeps.")
 @click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid is returned.")
@@ -114,7 +120,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
 
 def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **options: Any) -> Any:  # noqa: ANN401
     """Return the solver as a function of the start; what was not given is left to its own defaults."""
-    from ..solvers import optimize, solve_euler_lagrange
+    from ..solvers import continuation, optimize, solve_euler_lagrange
 
     passed = "tolerance", "max_iterations", "time_limit", "keep_valid", "spacing", "backend"
     given = {key: options[key] for key in passed if options[key] is not None}
@@ -126,7 +132,13 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
         given["progress"] = False
     if solver in ("newton", "local"):
         method = cast("Literal['newton', 'local']", solver)
-        return partial(optimize, functional=name, method=method, interior_only=interior_only, **given)
+        given |= {"functional": name, "method": method, "interior_only": interior_only}
+        if options["continuation"] is None:
+            return partial(optimize, **given)
+        parameter, values = continuation_of(options["continuation"])
+        return partial(continuation, parameter=parameter, values=values, **given)
+    if options["continuation"] is not None:
+        raise GridgenError(f"--continuation belongs to the discrete energy (newton, local), not to --solver {solver}")
     if interior_only:
         raise GridgenError(f"--interior-only belongs to the discrete energy (newton, local), not to --solver {solver}")
     way: Literal["newton", "relaxation"] = "relaxation" if solver == "relaxation" else "newton"

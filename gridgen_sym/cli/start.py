@@ -103,6 +103,19 @@ def assignments(texts: list[str] | tuple[str, ...], of: str) -> dict[str, float]
     return values
 
 
+def continuation_of(text: str) -> tuple[str, list[float]]:
+    """Return the parameter and its values of a text such as `omega=1,0.1,0.01`."""
+    name, equals, values = text.partition("=")
+    try:
+        if not (name.strip() and equals):
+            raise ValueError
+        return name.strip(), [number_in(value) for value in values.split(",")]
+    except ValueError:
+        raise GridgenError(
+            f"--continuation is written NAME=NUMBER,NUMBER,..., such as omega=1,0.1,0.01; came {quoted(text)}"
+        ) from None
+
+
 def parameters_of(name: str, texts: tuple[str, ...]) -> dict[str, float]:
     """Return the values of a functional's parameters from texts such as `k=0.5`, once it has accepted them."""
     from ..functionals import functional

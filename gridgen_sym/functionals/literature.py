@@ -9,6 +9,9 @@ from .definition import Formula
 from .metric import Metric
 from .registry import literature
 
+#: Energy of a corner beyond a barrier that is not at J = 0: no line search accepts it, and a sum of many is finite.
+_BEYOND = 10**30
+
 # ---- smoothness, areas and angles in combination ----
 
 
@@ -103,13 +106,13 @@ def area_at_corners(m: Metric) -> Formula:
 @literature("barrera2009", constraints=("omega >= 0",))
 def unam_area(m: Metric, omega: float = 0.01) -> Formula:
     """S_omega: 1/(omega + alpha), convex in areas; its barrier is at J = -omega."""
-    return 1 / (omega + m.J)
+    return m.where(-omega < m.J, 1 / (omega + m.J), _BEYOND)
 
 
 @literature("barrera2009harmonic", constraints=("omega >= 0",))
 def quasi_harmonic(m: Metric, omega: float = 0.01) -> Formula:
     """(lambda - 2 alpha)/(omega + alpha): `winslow` minus 2 at omega = 0; else its barrier is at J = -omega."""
-    return (m.g11 + m.g22 - 2 * m.J) / (omega + m.J)
+    return m.where(-omega < m.J, (m.g11 + m.g22 - 2 * m.J) / (omega + m.J), _BEYOND)
 
 
 @literature("barrera2009", constraints=("eps > 0",))

@@ -5,6 +5,8 @@ equations; `multilevel` gives them their starts, `untangling` makes these valid,
 systems. `run` holds what all share: deadline, progress, result.
 """
 
+from .continuation import ContinuationResult as ContinuationResult
+from .continuation import continuation as continuation
 from .equations.euler_lagrange import solve_euler_lagrange as solve_euler_lagrange
 from .evaluate import energy as energy
 from .evaluate import gradient as gradient
