@@ -25,8 +25,8 @@ class Functional:
     Attributes:
         name: the name it is known by; also the prefix of its kernels.
         density: the continuous density as a function of the metric `m` and of the parameters, or as text.
-        corner_factor: the discrete corner energy is `corner_factor` times the density of the corner's
-            edge vectors (the paper's factor ½ is in its integrals and not in its sums).
+        corner_factor: the discrete corner energy is `corner_factor` times the density of the corner's edge vectors
+            over the logical steps (the paper's factor ½ is in its integrals and not in its sums).
         parameters: names and default values of the numbers that a user may set at every solve.
         constraints: comparisons that the parameters must meet, such as `"k >= 0"`, or the components of fields.
         fields: names and kinds (`scalar`, `vector`, `symmetric`, `matrix`) of the fields that the density names.
