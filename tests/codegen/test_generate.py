@@ -80,7 +80,7 @@ def test_no_source_depends_on_the_hash_seed(derived):
 @pytest.fixture
 def few_functionals(monkeypatch):
     """Derive only two functionals, and no documents: what is tested here is the files."""
-    monkeypatch.setattr(generate, "functionals", lambda: ("length", "area"))
+    monkeypatch.setattr(generate, "functionals", lambda **_: ("length", "area"))
     monkeypatch.setattr(
         generate,
         "render_document",
