@@ -68,8 +68,10 @@ if TYPE_CHECKING:
     from .functionals import define as define
     from .functionals import functional as functional
     from .functionals import functionals as functionals
+    from .grids import Deviation as Deviation
     from .grids import Grid as Grid
     from .grids import Quality as Quality
+    from .grids import SideQuality as SideQuality
     from .grids import corner_jacobians as corner_jacobians
     from .grids import quality as quality
     from .grids import transfinite as transfinite
@@ -100,7 +102,7 @@ _PACKAGES = {
     "codegen.backend": "Backend register_backend",
     "fields": "Field SampledField Target Weight raster_field scattered_field",
     "functionals": "Functional define functional functionals",
-    "grids": "Grid Quality corner_jacobians quality transfinite",
+    "grids": "Deviation Grid Quality SideQuality corner_jacobians quality transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",
     "solvers": (
         "ContinuationResult Result Status Step StopReason continuation energy gradient hessian optimize "

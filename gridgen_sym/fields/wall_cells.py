@@ -19,6 +19,10 @@ from ..grids.grid import corner_edges
 
 #: A height that came out wrong by more than this factor is corrected by the factor at once.
 _LARGEST_CORRECTION = 1.5
+#: Where the nodes of the sides that meet a wall are spaced otherwise by more than this factor, that is said.
+_MISPLACED = 3.0
+#: The sides that a side meets at its first and at its last node.
+_MEETS = {"bottom": ("left", "right"), "right": ("bottom", "top"), "top": ("left", "right"), "left": ("bottom", "top")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +92,30 @@ def first_heights(coordinates: Array) -> Sides[Array]:
         coordinates[:, 1] - coordinates[:, 0],
     )
     return Sides(*(np.hypot(*line) for line in lines))
+
+
+def misplaced_sides(walls: Sides[Wall | None], coordinates: Array) -> str:
+    """Return a remark on sides whose own nodes, which stay, are spaced far otherwise than the wall that they meet.
+
+    Args:
+        walls: of the four sides.
+        coordinates: (2, ni, nj), of which the boundary is used.
+    """
+    found = []
+    for side, wall, heights in zip(Sides._fields, walls, first_heights(coordinates), strict=True):
+        if wall is None:
+            continue
+        index, first = wall.along(wall.first, len(heights), "first")
+        for end, which in ((0, 0), (len(heights) - 1, -1)):
+            if index[which] == end and max(heights[end] / first[which], first[which] / heights[end]) > _MISPLACED:
+                meets = _MEETS[side][which]
+                found.append(f"those of {meets} begin with {heights[end]:.3g} where {side} asks for {first[which]:.3g}")
+    if not found:
+        return ""
+    return (
+        f" Boundary nodes stay, and {'; '.join(found)}: lines are skewed there. Space the nodes of these sides as the "
+        "walls ask."
+    )
 
 
 def corrected(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from .grid import Grid, check_grid, corner_jacobians, folded_corners
+from .orthogonality import Deviation, SideQuality, corner_deviation, side_qualities
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +41,8 @@ class Quality:
             along xi and of the two along eta; inf if one of these is 0.
         max_area_ratio: over pairs of cells with a common edge, the largest ratio >= 1 of their areas; inf if
             any cell's area is not positive.
+        non_orthogonality: how far the angles of corners are from 90 degrees: the mean, 95 % of them, the largest.
+        sides: first heights, growth and angles at each side, by `bottom`, `right`, `top` and `left`.
         folded: the indices (i, j) of the folded cells, shape (folded_cells, 2), in order.
         folded_centers: the means of their four nodes, shape (folded_cells, 2).
     """
@@ -55,6 +59,8 @@ class Quality:
     max_angle: float
     max_aspect_ratio: float
     max_area_ratio: float
+    non_orthogonality: Deviation
+    sides: Mapping[str, SideQuality] = field(repr=False)
     folded: NDArray[np.intp] = field(repr=False, compare=False)
     folded_centers: Array = field(repr=False, compare=False)
 
@@ -74,6 +80,8 @@ class Quality:
             ("angle in degrees  min, max", f"{self.min_angle:.2f}  {self.max_angle:.2f}"),
             ("aspect ratio  max", _numbers(self.max_aspect_ratio)),
             ("area ratio of neighbors  max", _numbers(self.max_area_ratio)),
+            ("degrees off 90  mean, 95 %", _degrees(self.non_orthogonality)),
+            *((f"{side.side}: first height", _side(side)) for side in self.sides.values()),
         )
         lines = [f"{label:<30}{text}" for label, text in rows]
         return "\n".join([*lines, self.describe_folds()])
@@ -116,6 +124,8 @@ def quality(grid: Grid) -> Quality:
             **_corner_measures(jacobians, xi_edges, eta_edges),
             max_aspect_ratio=_aspect_ratio(xi_edges, eta_edges),
             max_area_ratio=_area_ratio(jacobians.mean(axis=0)),
+            non_orthogonality=corner_deviation(grid),
+            sides=side_qualities(grid),
             folded=folded,
             folded_centers=_centers(grid, folded),
         )
@@ -176,6 +186,17 @@ def _centers(grid: Grid, cells: NDArray[np.intp]) -> Array:
     i, j = cells.T
     nodes = grid.planes[:, [i, i + 1, i + 1, i], [j, j, j + 1, j + 1]]
     return np.asarray(nodes.mean(axis=1).T)
+
+
+def _degrees(deviation: Deviation) -> str:
+    return f"{deviation.mean:.2f}  {deviation.percentile_95:.2f}, at most {deviation.largest:.2f}"
+
+
+def _side(side: SideQuality) -> str:
+    """Return the measures of a side in one line."""
+    _, growth, largest = side.growth
+    heights = "  ".join(f"{height:.3g}" for height in side.first_heights)
+    return f"{heights}; growth {growth:.3g} to {largest:.3g}; degrees off normal {_degrees(side.non_orthogonality)}"
 
 
 def _numbers(*values: float) -> str:

@@ -40,6 +40,7 @@ class Run:
         proofs: that no valid grid has this boundary, or none without a sliver, where untangling could not find one;
             None as long as nothing was searched.
         explained: whether the solver's message says what is folded, and why.
+        remark: what else to say of the result, with a leading blank.
     """
 
     problem: Problem
@@ -53,6 +54,7 @@ class Run:
     untangled_by: str = ""
     proofs: tuple[Certificate, ...] | None = None
     explained: bool = False
+    remark: str = ""
 
     def renew(self, problem: Problem) -> None:
         """Take another problem on the same grid, with gradients measured as before."""
@@ -178,7 +180,7 @@ class Run:
             grid=grid,
             converged=outcome.converged,
             status=status,
-            message=(message + self.problem.caution(self.coordinates)).strip(),
+            message=(message + self.problem.caution(self.coordinates) + self.remark).strip(),
             iterations=max(len(self.report.history) - 1, 0),
             energy=energy,
             history=tuple(self.report.history),

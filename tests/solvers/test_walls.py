@@ -213,3 +213,11 @@ def test_the_heights_of_real_grids_from_their_boundary_alone(name, wall, off_nor
     wrong = np.abs(height / first[1:-1] - 1)[at]
     assert np.percentile(wrong, 99) < 0.01
     assert np.percentile(off[at], 95) < off_normal
+
+
+def test_a_side_that_is_spaced_otherwise_than_its_wall_is_told():
+    told = gg.optimize(channel(25, 17), "winslow", walls={"bottom": gg.Wall(1e-3)})
+    assert "those of left begin with 0.0" in told.message
+    assert "where bottom asks for 0.001" in told.message
+    quiet = gg.optimize(channel(25, 17, first=1e-3), "winslow", walls={"bottom": gg.Wall(1e-3)})
+    assert "Boundary nodes stay" not in quiet.message
