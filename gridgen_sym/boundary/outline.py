@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -21,6 +22,7 @@ from .outline_file import parse_outline
 from .outline_sides import check_sampling, corner_choice, rolled, sampled_sides
 from .polygon import first_crossing, first_repeated, is_clockwise
 from .sampling import Sampling
+from .side_spacing import SideSpacing, spacings_by_side
 from .sides import Sides, grid_of_sides, ring_of_sides, sides_of_ring
 
 #: Nodes of the grid for which an outline's own corners are chosen automatically.
@@ -172,6 +174,7 @@ class Outline:
         nj: int,
         corners: ArrayLike | Literal["auto"] | None = None,
         sampling: Sampling = "features",
+        spacing: Mapping[str, SideSpacing] | None = None,
     ) -> tuple[Array, Array, Array, Array]:
         """Sample bottom, top, shape (ni, 2), and left, right, shape (nj, 2).
 
@@ -183,19 +186,30 @@ class Outline:
             corners: as for `choose_corners`; a moved corner is reported on standard error.
             sampling: 'features' keeps sharp turns of the outline as nodes where there are nodes enough, and lets the
                 spacing vary smoothly between them; 'equal' has nodes at equal arc lengths of each side's polygon.
+            spacing: laws of the sides that have one, by side, instead of the sampling: `{"left": "tanh:first=1e-3"}`;
+                `"LAW:first=LENGTH,last=LENGTH"` with `geometric`, `tanh` or `sinh`, `"LAW:at=FRACTION,size=LENGTH"`,
+                `"equal"`, or an array of fractions of the side's length. Sides run as those of a grid do.
 
         Raises:
-            GridgenError: as for `choose_corners`.
+            GridgenError: as for `choose_corners`, and for a law that cannot be read or has no place on its side.
         """
-        sides = self._sides(ni, nj, corners, sampling)
+        sides = self._sides(ni, nj, corners, sampling, spacing)
         return sides.bottom, sides.top, sides.left, sides.right
 
-    def _sides(self, ni: int, nj: int, corners: ArrayLike | Literal["auto"] | None, sampling: Sampling) -> Sides[Array]:
+    def _sides(
+        self,
+        ni: int,
+        nj: int,
+        corners: ArrayLike | Literal["auto"] | None,
+        sampling: Sampling,
+        spacing: Mapping[str, SideSpacing] | None,
+    ) -> Sides[Array]:
         """Sample the sides, in the order of the package; a moved corner is reported."""
         choice = self.choose_corners(ni, nj, corners, sampling)
         if choice.message:
             report(choice.message)
-        return sides_of_ring(sampled_sides(self.points, choice.corners, (ni, nj), sampling))
+        laws = spacings_by_side(spacing or {})
+        return sides_of_ring(sampled_sides(self.points, choice.corners, (ni, nj), sampling, laws))
 
     def grid(
         self,
@@ -203,6 +217,7 @@ class Outline:
         nj: int,
         corners: ArrayLike | Literal["auto"] | None = None,
         sampling: Sampling = "features",
+        spacing: Mapping[str, SideSpacing] | None = None,
     ) -> Grid:
         """Return the transfinite grid of ni x nj nodes between the sides that `sides` samples.
 
@@ -210,7 +225,7 @@ class Outline:
             GridgenError: as for `sides`, and when two of the sampled nodes are one point or their polygon crosses
                 itself, so that the grid would fold or overlap itself.
         """
-        sides = self._sides(ni, nj, corners, sampling)
+        sides = self._sides(ni, nj, corners, sampling, spacing)
         ring = ring_of_sides(sides)
         fault = f"with {ni} x {nj} nodes the sampled boundary of '{self.name}'"
         repeated = first_repeated(ring)

@@ -11,6 +11,10 @@ from ..errors import GridgenError, quoted
 from .corners import CornerChoice, Corners, corner_penalty, settled_corners
 from .polygon import inner_angles
 from .sampling import Sampling, sample
+from .side_spacing import SideSpacing, spaced
+from .sides import Sides
+
+_FREE: Sides[SideSpacing | None] = Sides(None, None, None, None)
 
 
 def check_sampling(sampling: str) -> None:
@@ -25,12 +29,27 @@ def rolled(points: Array, corners: Corners) -> tuple[Array, Corners]:
     return np.roll(points, -corners[0], axis=0), (c0, c1, c2, c3)
 
 
-def sampled_sides(points: Array, corners: Corners, nodes: tuple[int, int], sampling: Sampling) -> list[Array]:
-    """Return the ni, nj, ni and nj nodes of bottom, right, top and left, all counter-clockwise."""
+def sampled_sides(
+    points: Array,
+    corners: Corners,
+    nodes: tuple[int, int],
+    sampling: Sampling,
+    spacing: Sides[SideSpacing | None] = _FREE,
+) -> list[Array]:
+    """Return the ni, nj, ni and nj nodes of bottom, right, top and left, all counter-clockwise.
+
+    A `spacing` is that of a side as grids have it: top and left run the other way.
+    """
     line, places = rolled(points, corners)
     closed = np.concatenate((line, line[:1]))
-    pieces = (closed[first : last + 1] for first, last in pairwise((*places, len(points))))
-    return [sample(piece, count, sampling) for piece, count in zip(pieces, (*nodes, *nodes), strict=True)]
+    pieces = [closed[first : last + 1] for first, last in pairwise((*places, len(points)))]
+    found = []
+    for k, (piece, count, law) in enumerate(zip(pieces, (*nodes, *nodes), spacing, strict=True)):
+        if law is None:
+            found.append(sample(piece, count, sampling))
+        else:
+            found.append(spaced(piece, count, law) if k < 2 else spaced(piece[::-1], count, law)[::-1])
+    return found
 
 
 def corner_choice(

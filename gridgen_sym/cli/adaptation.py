@@ -80,7 +80,7 @@ def adapt(
     knobs = {name: value for name, value in given_to_monitor.items() if value is not None}
     chosen = Monitor(monitor, **knobs)  # type: ignore[arg-type]
     field = field_of(to, smooth=monitor != "values")
-    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "reorient")}
+    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient")}
     given = {key: value for key, value in options.items() if value is not None}
     given["parameters"] = parameters_of(given.get("functional", "area_winslow"), parameters)
     start = start_grid(input, **boundary)

@@ -100,7 +100,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
-    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "reorient")}
+    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient")}
     solve = _solver(name, quiet, **options)
     check_outputs(output, plot)
     start = start_grid(input, **boundary)

@@ -34,6 +34,14 @@ _OPTIONS = (
         help="Boundary nodes of an outline: on its sharp turns, or at equal arc lengths.  [default: features]",
     ),
     click.option(
+        "--side",
+        "sides",
+        multiple=True,
+        metavar="SIDE=LAW",
+        help="Spacing of the boundary nodes of an outline's side: left=tanh:first=1e-3,last=1e-2 (or geometric, sinh), "
+        "bottom=tanh:at=0.4,size=1e-3, or top=equal. May be repeated.",
+    ),
+    click.option(
         "--reorient/--no-reorient",
         default=True,
         help="Whether an outline or a grid file that runs clockwise is reversed.  [default: reorient]",
@@ -54,6 +62,7 @@ def start_grid(
     *,
     corners: str | None = None,
     sampling: str | None = None,
+    sides: tuple[str, ...] = (),
     reorient: bool = True,
 ) -> Grid:
     """Return the grid to start from.
@@ -63,6 +72,7 @@ def start_grid(
         size: number of cells; not for a grid file, which has its own.
         corners: of an outline: 'auto', or four indices of its points with commas or blanks between.
         sampling: of an outline: 'features' or 'equal'.
+        sides: of an outline: `SIDE=LAW` for each side whose boundary nodes are spaced by a law.
         reorient: reverse a clockwise outline or grid file, and report it.
 
     Raises:
@@ -77,8 +87,8 @@ def start_grid(
     suffix = Path(source).suffix.lower()
     is_file = suffix in known_suffixes() or Path(source).is_file()
     if is_file and (suffix not in known_suffixes() or (suffix == ".csv" and not _has_nodes(source))):
-        return _outline_grid(source, ni, nj, corners, sampling, reorient)
-    for option, value in (("--corners", corners), ("--sampling", sampling)):
+        return _outline_grid(source, (ni, nj), corners, sampling, sides, reorient)
+    for option, value in (("--corners", corners), ("--sampling", sampling), ("--side", sides or None)):
         if value is not None:
             raise GridgenError(f"{option} belongs to an outline (a text file of points x,y), which {source} is not")
     if is_file:
@@ -138,7 +148,14 @@ def _lines(path: str) -> list[str]:
     return read_bytes(path).decode("utf-8-sig", errors="replace").splitlines()
 
 
-def _outline_grid(path: str, ni: int, nj: int, corners: str | None, sampling: str | None, reorient: bool) -> Grid:
+def _outline_grid(
+    path: str,
+    shape: tuple[int, int],
+    corners: str | None,
+    sampling: str | None,
+    sides: tuple[str, ...],
+    reorient: bool,
+) -> Grid:
     """Return the grid of an outline's file."""
     from ..boundary import Outline
 
@@ -153,7 +170,16 @@ def _outline_grid(path: str, ni: int, nj: int, corners: str | None, sampling: st
     outline = Outline.read(path, corners=chosen, reorient=reorient)
     # Corners that were chosen by number are kept, others may be moved.
     wanted: Any = chosen if chosen in (None, "auto") else outline.corners
-    return outline.grid(ni, nj, wanted, sampling or "features")  # type: ignore[arg-type]
+    laws = dict(_law_of(text) for text in sides)
+    return outline.grid(*shape, wanted, sampling or "features", laws)  # type: ignore[arg-type]
+
+
+def _law_of(text: str) -> tuple[str, str]:
+    """Return the side and the law of `SIDE=LAW`."""
+    side, equals, law = text.partition("=")
+    if not equals:
+        raise GridgenError(f"--side {quoted(text)} has no law: write for example left=tanh:first=1e-3")
+    return side, law
 
 
 def _grid_file(path: str, size: tuple[int, int] | None, reorient: bool) -> Grid:
