@@ -446,11 +446,11 @@ def test_checks_can_fail(monkeypatch):
     from gridgen_sym.selfcheck import digits, limit
 
     right = limit.kernels
-    monkeypatch.setattr(limit, "kernels", lambda _, **options: right(gg.functional("area"), **options))
+    monkeypatch.setattr(limit, "kernels", lambda _, *given, **options: right(gg.functional("area"), *given, **options))
     said = run("check", "length", code=1)
     assert said.count("FAILED") == 1
     assert "FAILED  discrete gradient" in said
-    monkeypatch.setattr(digits, "_density", lambda _, found=digits._density: found(gg.functional("area")))
+    monkeypatch.setattr(digits, "_density", lambda *_, found=digits._density: found(gg.functional("area")))
     assert run("check", "length", code=1).count("FAILED") == 4
 
 

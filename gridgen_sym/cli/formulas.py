@@ -29,7 +29,7 @@ def functionals() -> None:
     from ..functionals import functional, is_literature
     from ..functionals import functionals as names
 
-    head = ("name", "density", "equations", "barrier", "parameters", "what it asks for")
+    head = ("name", "density", "equations", "barrier", "parameters, fields", "what it asks for")
     table = Table(*head, box=box.SIMPLE_HEAD, pad_edge=False)
     literature = Table("of the literature", "what it asks for", "source", box=box.SIMPLE_HEAD, pad_edge=False)
     with Console(stderr=True).status("deriving the equations ..."):
@@ -48,13 +48,14 @@ def _row(definition: Functional) -> tuple[str, ...]:
     from ..codegen.derivations import summary
 
     found = summary(definition)
-    parameters = ", ".join(f"{name}={value:g}" for name, value in definition.parameters.items())
+    given = [f"{name}={value:g}" for name, value in definition.parameters.items()]
+    given += [f"{name} ({kind})" for name, kind in definition.fields.items()]
     return (
         definition.name,
         found.density,
         ", ".join(found.equations),
         "yes" if found.barrier else "no",
-        parameters,
+        ", ".join(given),
         definition.description,
     )
 
@@ -97,7 +98,10 @@ def docs(name: str, folder: str) -> None:
 @click.argument("name")
 @functionals_option
 def check(name: str) -> None:
-    """Check derivatives, equations and kernels of the functional NAME (weight 1) against independent computations."""
+    """Check derivatives, equations and kernels of the functional NAME against independent computations.
+
+    The weight is 1; fields are smooth ones, held and moving.
+    """
     from ..functionals import functional
 
     definition = functional(name)

@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from ..functionals import Functional
+from ..functionals.variant import Variant
 from .check import Check, both_zero, difference, failure
-from .derived import FIRST, SECOND, written_out
-from .samples import SIZES, metric, random_jets
+from .derived import FIRST, written_out
+from .samples import SIZES, random_jets
+from .setting import CORNER, Setting
 
 _DIGITS = 80
 #: Step of the differences over the size of the corner, in arithmetic with so many digits.
@@ -21,7 +23,7 @@ Numbers = Mapping[str, Any]
 Formula = Callable[[Numbers], Any]
 
 
-def _density(functional: Functional) -> Formula:
+def _density(functional: Functional, variant: Variant = "plain") -> Formula:
     """Return the bare density as a function of numbers by name; the metric is computed from its definition."""
     import sympy
 
@@ -29,21 +31,29 @@ def _density(functional: Functional) -> Formula:
     names = sorted(str(name) for name in expression.free_symbols)
     evaluate = sympy.lambdify([sympy.Symbol(name, real=True) for name in names], expression, "mpmath")
 
+    setting = Setting(functional, variant)
+
     def density(values: Numbers) -> Any:  # noqa: ANN401
-        known = {**_parameters(functional), **values, **metric(*(values[name] for name in FIRST))}
+        known = {**_parameters(functional), **values, **setting.bare(values)}
         return evaluate(*(known[name] for name in names))
 
     return density
 
 
-def _derived(expressions: list[Any], functional: Functional) -> Formula:
+def _derived(expressions: list[Any], functional: Functional, variant: Variant) -> Formula:
     """Return derived expressions as a function of numbers by name."""
     import sympy
 
-    names = [*FIRST, *SECOND, *functional.parameters]
+    setting = Setting(functional, variant)
     parts = [written_out(part) for part in expressions]
+    names = sorted({str(name) for part in parts for name in part.free_symbols})
     evaluate = sympy.lambdify([sympy.Symbol(name, real=True) for name in names], parts, "mpmath")
-    return lambda values: evaluate(*({**_parameters(functional), **values}[name] for name in names))
+
+    def derived(values: Numbers) -> Any:  # noqa: ANN401
+        known = {**_parameters(functional), **values, **setting.given(values)}
+        return evaluate(*(known[name] for name in names))
+
+    return derived
 
 
 def _parameters(functional: Functional) -> dict[str, Any]:
@@ -58,11 +68,15 @@ def _jets(density: Formula) -> list[dict[str, Any]]:
     from mpmath import mpf
 
     jets = [
-        {name: mpf(value) for name, value in jet.items()} | {"size": mpf(size)}
+        {name: mpf(value) for name, value in (jet | _place(size)).items()} | {"size": mpf(size)}
         for size in SIZES
         for jet in random_jets(_CORNERS, size)
     ]
     return [jet for jet in jets if _finite(lambda jet=jet: [density(jet)])]  # type: ignore[misc]
+
+
+def _place(size: float) -> dict[str, float]:
+    return {name: value * size if name in ("x", "y") else value for name, value in CORNER.items()}
 
 
 def _finite(function: Callable[[], list[Any]]) -> list[Any] | None:
@@ -110,26 +124,38 @@ def _compare(name: str, jets: list[dict[str, Any]], found: Formula, expected: Fo
     return difference(name, max(errors), _LIMIT) if nonzero else both_zero(name, _LIMIT)
 
 
-def corner_derivatives(functional: Functional) -> Iterator[Check]:
-    """Compare the derived gradient and Hessian of a corner with differences."""
+def corner_derivatives(functional: Functional, variant: Variant = "plain") -> Iterator[Check]:
+    """Compare the derived gradient and Hessian of a corner, also in a position that values move with, with differences.
+
+    Args:
+        functional: what is checked.
+        variant: how its fields enter.
+    """
     import mpmath
+    import sympy
 
     from ..symbolic import corner_model
 
-    model, density = corner_model(functional), _density(functional)
-    gradient, hessian = (_derived(list(part), functional) for part in (model.gradient, model.hessian))
+    setting = Setting(functional, variant)
+    model, density = corner_model(functional, variant), _density(functional, variant)
+    names, slopes_of, bends = list(FIRST), list(model.gradient), model.hessian
+    if setting.moves:
+        names, slopes_of = [*names, "x", "y"], [*slopes_of, *model.position_gradient]
+        cross = model.position_cross
+        bends = sympy.Matrix([[bends, cross], [cross.T, model.position_hessian]])
+    gradient, hessian = (_derived(list(part), functional, variant) for part in (slopes_of, bends))
 
     def energy(values: Numbers) -> Any:  # noqa: ANN401
         return functional.corner_factor * density(values)
 
     def slopes(jet: Numbers) -> list[Any]:
-        return _scaled([_slope(energy, jet, {name: 1}) for name in FIRST])
+        return _scaled([_slope(energy, jet, {name: 1}) for name in names])
 
     def curves(jet: Numbers) -> list[Any]:
-        second = [lambda at, q=q: _slope(energy, at, {q: 1}) for q in FIRST]
-        return _scaled([_slope(along, jet, {p: 1}) for p in FIRST for along in second])
+        second = [lambda at, q=q: _slope(energy, at, {q: 1}) for q in names]
+        return _scaled([_slope(along, jet, {p: 1}) for p in names for along in second])
 
-    name = f"derived {{}} of a corner against differences in {_DIGITS} digits"
+    name = f"derived {{}} of a corner{setting.words} against differences in {_DIGITS} digits"
     with mpmath.workdps(_DIGITS):
         jets = _jets(density)
         yield _compare(name.format("gradient"), jets, gradient, slopes)
@@ -141,28 +167,34 @@ def _scaled(values: list[Any]) -> list[Any]:
     return [*values, max(abs(value) for value in values)]
 
 
-def equations(functional: Functional) -> Check:
-    """Compare the derived residual d/dxi F_(r_xi) + d/deta F_(r_eta), r = x or y, with differences."""
+def equations(functional: Functional, variant: Variant = "plain") -> Check:
+    """Compare the derived residual d/dxi F_(r_xi) + d/deta F_(r_eta) - F_r, r = x or y, with differences."""
     import mpmath
 
     from ..symbolic import euler_lagrange
 
-    density = _density(functional)
-    residual = _derived(list(euler_lagrange(functional).residual), functional)
+    setting, density = Setting(functional, variant), _density(functional, variant)
+    residual = _derived(list(euler_lagrange(functional, variant).residual), functional, variant)
 
     def terms(jet: Numbers) -> list[Any]:
+        # How everything moves along xi, and along eta, over the size.
         along = {
-            "xi": {f"{r}_{d}": jet[f"{r}_xi{d}"] / jet["size"] for r in "xy" for d in ("xi", "eta")},
-            "eta": {f"{r}_{d}": jet[f"{r}_{d}eta"] / jet["size"] for r in "xy" for d in ("xi", "eta")},
+            "xi": {f"{r}_{d}": jet[f"{r}_xi{d}"] for r in "xy" for d in ("xi", "eta")},
+            "eta": {f"{r}_{d}": jet[f"{r}_{d}eta"] for r in "xy" for d in ("xi", "eta")},
         }
+        for d, moves in along.items():
+            moves |= {d: 1, "x": jet[f"x_{d}"], "y": jet[f"y_{d}"]}
+            along[d] = {name: move / jet["size"] for name, move in moves.items()}
         found = [
             _slope(lambda at, p=f"{r}_{d}": _slope(density, at, {p: 1}), jet, along[d])  # type: ignore[misc]
             * jet["size"]
             for r in "xy"
             for d in ("xi", "eta")
         ]
-        return [found[0] + found[1], found[2] + found[3], max(abs(term) for term in found)]
+        sources = [_slope(density, jet, {r: 1}) if setting.moves else 0 for r in "xy"]
+        scale = max(abs(term) for term in (*found, *sources))
+        return [found[0] + found[1] - sources[0], found[2] + found[3] - sources[1], scale]
 
-    name = f"derived Euler–Lagrange residual against differences in {_DIGITS} digits"
+    name = f"derived Euler–Lagrange residual{setting.words} against differences in {_DIGITS} digits"
     with mpmath.workdps(_DIGITS):
         return _compare(name, _jets(density), residual, terms)

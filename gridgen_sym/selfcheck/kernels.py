@@ -8,9 +8,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..functionals import Functional
+from ..functionals.variant import Variant
 from ..runtime import KernelSet, find_compiler, kernels
 from .check import Check, both_zero, difference, failure
 from .samples import active_size, mean_slope
+from .setting import Setting
 
 _SIZE = (9, 70)
 #: Steps of the logical coordinates.
@@ -37,12 +39,21 @@ def _apart(found: Any, expected: Any, floor: float) -> float:  # noqa: ANN401
     return float(np.abs(found - expected).max() / max(np.abs(expected).max(), floor))
 
 
-def _floor(functional: Functional, nodes: Array) -> float:
+def _values(setting: Setting, nodes: Array, size: float) -> Array | None:
+    """Return the planes of a grid's values; None where there are none."""
+    names = kernels(setting.functional, setting.variant, backend="numpy").planes
+    xi, eta = np.meshgrid(*(np.linspace(0, 1, count) for count in _SIZE), indexing="ij")
+    values = {"x": nodes[0], "y": nodes[1], "xi": xi, "eta": eta, "size": size}
+    return setting.planes(names, values, _SIZE) if names else None
+
+
+def _floor(setting: Setting, nodes: Array, values: Array | None) -> float:
     """Return a thousandth of a cell's energy on the random grid, or of 1."""
-    return 1e-3 * abs(kernels(functional, backend="numpy").energy(nodes, None, _SPACING)[0]) / nodes[0].size or 1e-3
+    kernel = kernels(setting.functional, setting.variant, backend="numpy")
+    return 1e-3 * abs(kernel.energy(nodes, values, _SPACING)[0]) / nodes[0].size or 1e-3
 
 
-def hessian_kernel(functional: Functional) -> Check:
+def hessian_kernel(functional: Functional, variant: Variant = "plain") -> Check:
     """Compare Hessian times vector with differences of gradients, at the free nodes.
 
     At every node the step counts with which the difference comes nearest: a long one may cross a kink, and a short
@@ -51,21 +62,26 @@ def hessian_kernel(functional: Functional) -> Check:
     from ..grids import Grid
     from ..solvers import gradient, hessian
 
-    name = "Hessian kernel against differences of the gradient kernel"
+    setting = Setting(functional, variant)
+    name = f"Hessian kernel{setting.words} against differences of the gradient kernel"
     size, nodes = active_size(functional), _random_nodes(functional)
     move = size * np.random.default_rng(4).normal(size=nodes.shape)
     move[:, [0, -1]] = 0.0
     move[:, :, [0, -1]] = 0.0
 
+    given: dict[str, Any] = {"spacing": _SPACING}
+    if setting.words:
+        given |= {"fields": setting.fields(size), "target": setting.target()}
+
     def slope(step: float) -> Array:
         ahead, behind = (
-            gradient(Grid.from_planes(*(nodes + sign * step * move)), functional, spacing=_SPACING)[1:-1, 1:-1].ravel()
+            gradient(Grid.from_planes(*(nodes + sign * step * move)), functional, **given)[1:-1, 1:-1].ravel()
             for sign in (1, -1)
         )
         return np.asarray((ahead - behind) / (2 * step))
 
     with np.errstate(all="ignore"):
-        matrix = hessian(Grid.from_planes(*nodes), functional, spacing=_SPACING)
+        matrix = hessian(Grid.from_planes(*nodes), functional, **given)
         product = matrix @ np.moveaxis(move, 0, -1)[1:-1, 1:-1].ravel()
         differences = np.stack([slope(step) for step in _STEPS])
     if not differences.any() and not product.any():
@@ -75,20 +91,24 @@ def hessian_kernel(functional: Functional) -> Check:
     return difference(name, _apart(product, expected, 1e-3 * mean_slope(functional, size) or 1e-3), _HESSIAN_LIMIT)
 
 
-def backends(functional: Functional) -> Check:
+def backends(functional: Functional, variant: Variant = "plain") -> Check:
     """Compare all compiled kernels with NumPy's."""
-    name = f"C kernels against NumPy kernels on {_SIZE[0]} x {_SIZE[1]} nodes"
+    setting = Setting(functional, variant)
+    name = f"C kernels{setting.words} against NumPy kernels on {_SIZE[0]} x {_SIZE[1]} nodes"
     if find_compiler() is None:
         return Check(name, 0.0, 0.0, True, f"{name}: not done, there is no C compiler")
     nodes = _random_nodes(functional)
     try:
         with np.errstate(all="ignore"):
-            compiled, plain = (_outputs(kernels(functional, backend=backend), nodes) for backend in ("c", "numpy"))
+            values = _values(setting, nodes, active_size(functional))
+            compiled, plain = (
+                _outputs(kernels(functional, variant, backend=backend), nodes, values) for backend in ("c", "numpy")
+            )
     except ArithmeticError as error:
         return failure(name, _BACKEND_LIMIT, f"{type(error).__name__}: {error}")
     if not any(np.any(outputs[k]) for outputs in (compiled, plain) for k in _DERIVATIVES):
         return both_zero(name, _BACKEND_LIMIT)
-    floor = _floor(functional, nodes)
+    floor = _floor(setting, nodes, values)
     apart = [_apart(a, b, floor) for a, b in zip(compiled, plain, strict=True)]
     return difference(name, float(np.max(apart)), _BACKEND_LIMIT)
 
@@ -97,21 +117,21 @@ def backends(functional: Functional) -> Check:
 _DERIVATIVES = (2, 4)
 
 
-def _outputs(kernel: KernelSet, nodes: Array) -> list[Any]:
+def _outputs(kernel: KernelSet, nodes: Array, values: Array | None) -> list[Any]:
     """Return what every kernel makes of the same grid."""
     fixed = np.ones(_SIZE, dtype=np.uint8)
     fixed[1:-1, 1:-1] = 0
     swept, relaxed = nodes.copy(), nodes.copy()
-    kernel.sweep(swept, None, fixed, 3, _SPACING, floor=0.0)
-    kernel.euler_lagrange_relaxation(relaxed, None, fixed, 3, 0.5, _SPACING)
+    kernel.sweep(swept, values, fixed, 3, _SPACING, floor=0.0)
+    kernel.euler_lagrange_relaxation(relaxed, values, fixed, 3, 0.5, _SPACING)
     return [
-        *kernel.energy_gradient(nodes, None, _SPACING),
-        kernel.energy(nodes, None, _SPACING)[0],
-        kernel.hessian(nodes, None, _SPACING),
-        kernel.hessian(nodes, None, _SPACING, semidefinite=True),
-        kernel.euler_lagrange_residual(nodes, None, _SPACING),
-        kernel.euler_lagrange_jacobian(nodes, None, _SPACING),
-        kernel.euler_lagrange_jacobian(nodes, None, _SPACING, frozen=True),
+        *kernel.energy_gradient(nodes, values, _SPACING),
+        kernel.energy(nodes, values, _SPACING)[0],
+        kernel.hessian(nodes, values, _SPACING),
+        kernel.hessian(nodes, values, _SPACING, semidefinite=True),
+        kernel.euler_lagrange_residual(nodes, values, _SPACING),
+        kernel.euler_lagrange_jacobian(nodes, values, _SPACING),
+        kernel.euler_lagrange_jacobian(nodes, values, _SPACING, frozen=True),
         swept,
         relaxed,
     ]

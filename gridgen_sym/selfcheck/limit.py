@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -16,10 +16,12 @@ import numpy as np
 
 from ..arrays import Array
 from ..functionals import Functional
+from ..functionals.variant import Variant
 from ..runtime import kernels
 from .check import Check, both_zero, failure
-from .derived import FIRST, SECOND, written_out
+from .derived import written_out
 from .samples import active_size, mean_slope
+from .setting import Setting
 
 _NAME = "discrete gradient against the Euler–Lagrange residual"
 #: Cells of the refinements; what is compared are the nodes of the first.
@@ -28,7 +30,7 @@ _ORDER = 1.8
 #: Round-off of both sides over the slope of a corner, at most; errors within so many times its measure are round-off.
 _ROUND_OFF, _SAFETY = 1e-10, 10.0
 
-Residual = Callable[[Mapping[str, Array]], Array]
+Residual = Callable[[Mapping[str, Any]], Array]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,17 +57,24 @@ class _Level:
         return self.error / self.size
 
 
-def convergence(functional: Functional) -> Check:
+def convergence(functional: Functional, variant: Variant = "plain") -> Check:
     """Measure the order at which the discrete gradient tends to minus the Euler–Lagrange residual."""
+    setting = Setting(functional, variant)
+    found = _convergence(setting)
+    return replace(found, name=found.name + setting.words, text=found.text.replace(_NAME, _NAME + setting.words))
+
+
+def _convergence(setting: Setting) -> Check:
     from ..symbolic import euler_lagrange
 
-    residual = _residual_function(functional, euler_lagrange(functional).residual)
+    functional = setting.functional
+    residual = _residual_function(setting, euler_lagrange(functional, setting.variant).residual)
     size = active_size(functional)
     slope = mean_slope(functional, size)
     levels: list[_Level] = []
     for cells in _CELLS:
         with np.errstate(all="ignore"):
-            levels.append(_level(functional, residual, cells, size))
+            levels.append(_level(setting, residual, cells, size))
         last = levels[-1]
         if not math.isfinite(last.error + last.size):
             return failure(_NAME, _ORDER, f"not finite at {cells} cells")
@@ -103,28 +112,36 @@ def _both_vanish(level: _Level, slope: float) -> Check:
     return Check(_NAME, found, _ROUND_OFF, found <= _ROUND_OFF, text)
 
 
-def _residual_function(functional: Functional, residual: tuple[Any, Any]) -> Residual:
+def _residual_function(setting: Setting, residual: tuple[Any, Any]) -> Residual:
     import sympy
 
-    names = [*FIRST, *SECOND]
-    values = {sympy.Symbol(name, real=True): value for name, value in functional.parameters.items()}
+    values = {sympy.Symbol(name, real=True): value for name, value in setting.functional.parameters.items()}
     parts = [written_out(part).subs(values) for part in residual]
+    names = sorted({str(name) for part in parts for name in part.free_symbols})
     function = sympy.lambdify([sympy.Symbol(name, real=True) for name in names], parts, "numpy", cse=True)
     shape = (_CELLS[0] + 1, _CELLS[0] + 1)
-    return lambda jets: np.stack([np.broadcast_to(part, shape) for part in function(*(jets[n] for n in names))])
+
+    def at(jets: Mapping[str, Any]) -> Array:
+        known = {**jets, **setting.given(jets)}
+        return np.stack([np.broadcast_to(part, shape) for part in function(*(known[name] for name in names))])
+
+    return at
 
 
-def _level(functional: Functional, residual: Residual, cells: int, size: float) -> _Level:
+def _level(setting: Setting, residual: Residual, cells: int, size: float) -> _Level:
     """Compare gradient and residual on a grid of `cells` x `cells` cells, of a map that stretches by about `size`."""
     spacing = 1.0 / cells, 0.8 / cells
     nodes, jets = _smooth_map(cells, spacing, size)
     every = cells // _CELLS[0]
     inner = (slice(None), *(slice(every, -every, every),) * 2)
-    kernel, scale = kernels(functional, backend="numpy"), 4 * functional.corner_factor * spacing[0] * spacing[1]
+    kernel = kernels(setting.functional, setting.variant, backend="numpy")
+    scale = 4 * setting.functional.corner_factor * spacing[0] * spacing[1]
+    values = setting.planes(kernel.planes, jets, (cells + 1, cells + 1)) if kernel.planes else None
     found, moved = (
-        kernel.energy_gradient(place, None, spacing)[2][inner] / scale for place in (nodes, nodes + 0.37 * size)
+        kernel.energy_gradient(place, values, spacing)[2][inner] / scale for place in (nodes, nodes + 0.37 * size)
     )
-    expected = -residual({name: jet[::every, ::every] for name, jet in jets.items()})[:, 1:-1, 1:-1]
+    coarse = {name: jet[::every, ::every] if isinstance(jet, np.ndarray) else jet for name, jet in jets.items()}
+    expected = -residual(coarse)[:, 1:-1, 1:-1]
     return _Level(
         cells=cells,
         error=float(np.median(np.abs(found - expected))),
@@ -134,10 +151,10 @@ def _level(functional: Functional, residual: Residual, cells: int, size: float) 
     )
 
 
-def _smooth_map(cells: int, h: tuple[float, float], scale: float) -> tuple[Array, dict[str, Array]]:
+def _smooth_map(cells: int, h: tuple[float, float], scale: float) -> tuple[Array, dict[str, Any]]:
     """Return x = u + v/5 + sin(2u + v)/7, y = u/10 + 11v/10 + cos(u - 2v)/8 at nodes with steps h, and its derivatives.
 
-    Both are multiplied by `scale`.
+    Both are multiplied by `scale`. With the derivatives come the places, and `size`.
     """
     u, v = np.meshgrid(h[0] * np.arange(cells + 1), h[1] * np.arange(cells + 1), indexing="ij")
     p, q = 2 * u + v, u - 2 * v
@@ -149,4 +166,4 @@ def _smooth_map(cells: int, h: tuple[float, float], scale: float) -> tuple[Array
     }  # fmt: skip
     jets = {name: scale * jet for name, jet in jets.items()}
     nodes = scale * np.stack([u + v / 5 + np.sin(p) / 7, u / 10 + 1.1 * v + np.cos(q) / 8])
-    return nodes, jets
+    return nodes, jets | {"x": nodes[0], "y": nodes[1], "xi": u, "eta": v, "size": scale}

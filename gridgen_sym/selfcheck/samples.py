@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..functionals import Functional
 from .derived import FIRST, SECOND
+from .setting import CORNER, Setting
 
 #: Lengths of the edge vectors, in the order in which they are tried.
 SIZES = (1.0, 1 / 8, 8.0, 1 / 64, 64.0)
@@ -57,22 +58,14 @@ def active_size(functional: Functional) -> float:
 
 
 def _density(functional: Functional, corners: Array) -> Array:
-    """Return the values of the bare density at corners (4, n), with the weight 1."""
+    """Return the values of the bare density at corners (4, n), with the weight 1 and fields held."""
     import sympy
 
     expression = functional.expression()
     names = sorted(str(name) for name in expression.free_symbols)
     evaluate = sympy.lambdify([sympy.Symbol(name, real=True) for name in names], expression, "numpy")
-    known: Mapping[str, Any] = {
-        **functional.parameters,
-        **dict(zip(FIRST, corners, strict=True)),
-        **metric(*corners),
-    }
+    place = {name: np.float64(value) for name, value in CORNER.items()}
+    values = dict(zip(FIRST, corners, strict=True)) | place | {"size": 1.0}
+    known: Mapping[str, Any] = {**functional.parameters, **values, **Setting(functional, "plain").bare(values)}
     with np.errstate(all="ignore"):
         return np.broadcast_to(evaluate(*(known[name] for name in names)), corners.shape[1:])
-
-
-def metric(a: Any, b: Any, c: Any, d: Any) -> dict[str, Any]:  # noqa: ANN401 - floats, arrays or numbers of many digits
-    """Return the metric of the edge vectors (a, b) and (c, d) by its definition, the weight 1, and no target."""
-    found = {"g11": a * a + b * b, "g22": c * c + d * d, "g12": a * c + b * d, "J": a * d - b * c}
-    return found | dict(zip(("t11", "t22", "t12", "tau"), found.values(), strict=True)) | {"s": 1}

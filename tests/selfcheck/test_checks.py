@@ -9,9 +9,12 @@ import pytest
 
 import gridgen_sym as gg
 from gridgen_sym.functionals import Functional
+from gridgen_sym.functionals.expression import holds
+from gridgen_sym.functionals.metric import symbol
 from gridgen_sym.selfcheck import checks, digits, kernels, limit
 from gridgen_sym.selfcheck.digits import corner_derivatives, equations
 from gridgen_sym.selfcheck.samples import SIZES, active_size, random_jets
+from gridgen_sym.selfcheck.setting import Setting
 
 #: No derivative at square cells: a long step of a difference crosses the kink.
 KINK = "sqrt(g12**2 + (g11 - g22)**2)"
@@ -100,7 +103,7 @@ def test_a_wrong_gradient_fails_in_the_limit(monkeypatch):
 def test_a_wrong_derivative_fails_at_any_size(monkeypatch):
     """A part that acts on small cells only is wrong: the density that is checked against lacks it."""
     lacking = digits._density(Functional("lacking", "g11 + g22"))
-    monkeypatch.setattr(digits, "_density", lambda _: lacking)
+    monkeypatch.setattr(digits, "_density", lambda *_: lacking)
     functional = Functional("penalty", "g11 + g22 + ((0.001 - J + abs(0.001 - J))/2)**2")
     assert [check.word for check in corner_derivatives(functional)] == ["FAILED", "FAILED"]
 
@@ -137,3 +140,34 @@ def test_samples_have_every_size_and_positive_jacobians():
     for size in SIZES:
         for jet in random_jets(3, size):
             assert 0.1 < (jet["x_xi"] * jet["y_eta"] - jet["x_eta"] * jet["y_xi"]) / size**2 < 3
+
+
+# ---- fields, places and a target ----
+
+SCALAR = Functional("scalar", "p*(g11 + g22)/J", fields={"p": "scalar"}, constraints=("p > 0",))
+
+
+@pytest.mark.slow
+def test_fields_places_and_a_target_pass():
+    assert words(SCALAR) == ["ok"] * 12
+    assert words(Functional("relative", "x*xi*t11/tau + t22 + g12**2")) == ["ok"] * 12
+
+
+def test_a_wrong_slope_of_a_field_fails(monkeypatch):
+    right = Setting.given
+    assert equations(SCALAR, "p:differentiated").word == "ok"
+    for name in ("p_x", "p_y", "p"):
+        wrong = lambda self, values, name=name: {**right(self, values), name: -right(self, values)[name]}  # noqa: E731
+        monkeypatch.setattr(Setting, "given", wrong)
+        assert equations(SCALAR, "p:differentiated").word == "FAILED"
+
+
+def test_fields_meet_their_constraints():
+    for constraint in ("0 < p < 0.5", "p > 7", "p < -1"):
+        functional = Functional("limited", SCALAR.density, fields={"p": "scalar"}, constraints=(constraint,))
+        (field,) = Setting(functional, "plain").fields(1.0).values()
+        values = [
+            float(field.source.subs({symbol("xi"): a, symbol("eta"): b})) for a in (0, 0.5, 1) for b in (0, 0.5, 1)
+        ]
+        assert all(holds(constraint, {"p": value}) for value in values)
+        assert max(values) - min(values) > 0.01

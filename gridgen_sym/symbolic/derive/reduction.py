@@ -189,6 +189,8 @@ def _proportional_at_a_point(matrices: list[list[Expr]]) -> bool:
     for symbol in DEFINITIONS:
         point[symbol] = expand_metric(symbol).subs(point)
     leading, *rest = [[sympy.N(entry.xreplace(point), 30) for entry in matrix] for matrix in matrices]
+    if not all(entry.is_finite for entries in (leading, *rest) for entry in entries):
+        return False  # Nothing is known at this point.
     size = max(map(abs, leading))
     return bool(size) and all(
         abs(leading[i] * other[j] - leading[j] * other[i]) <= 1e-20 * size * max(map(abs, other))
