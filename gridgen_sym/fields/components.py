@@ -13,7 +13,7 @@ from ..arrays import Array, real_array
 from ..errors import GridgenError, quoted
 from ..functionals.field_kinds import KINDS, components
 from .field import VARIABLES, Domain, Field, Mode
-from .function import takes_two_arrays
+from .function import difference, takes_two_arrays
 from .sampled import SampledField
 from .scalar import ScalarField, as_scalar
 
@@ -64,13 +64,19 @@ def components_of(given: Any, name: str, kind: str, called: str = "") -> Compone
     called = called or f"the field {name}"
     labels = [called if one == name else f"the component {one} of {called}" for one in components(name, kind)]
     given_parts = zip(_sources(field, name, kind, called), labels, strict=True)
-    parts = tuple(as_scalar(source, label, variables) for source, label in given_parts)
+    parts = tuple(_scalar(source, label, variables) for source, label in given_parts)
     if field.mode == "differentiated" and any(part.per_node for part in parts):
         raise GridgenError(
             f"the field {name} is an array, which has no derivatives: use mode='frozen', or give a formula, a function "
             "or Field.on_grid(grid, values, 'differentiated')"
         )
     return Components(name, kind, field.domain, field.mode, parts)
+
+
+def _scalar(source: Any, label: str, variables: tuple[str, str]) -> ScalarField:  # noqa: ANN401
+    if isinstance(source, _Part):
+        return ScalarField(label, source.joint.function, source, variables=variables)
+    return as_scalar(source, label, variables)
 
 
 def _sources(field: Field, name: str, kind: str, called: str) -> Sequence[Any]:
@@ -106,41 +112,51 @@ def _is_nested(source: Sequence[Any]) -> bool:
 
 
 class _Joint:
-    """A function that returns all components at once; the last result is kept, since each component asks for it."""
+    """A function that returns all components at once.
 
-    __slots__ = ("_at", "_found", "count", "function", "name")
+    What it gave last is kept, values and derivatives, since each component asks for them.
+    """
 
-    def __init__(self, function: Callable[[Array, Array], npt.ArrayLike], name: str, count: int) -> None:
-        self.function, self.name, self.count = function, name, count
-        self._at: tuple[Any, Any] = (None, None)
-        self._found: Array = np.empty(0)
+    __slots__ = ("_at", "_kept", "called", "count", "function")
 
-    def __call__(self, u: Array, v: Array) -> Array:
+    def __init__(self, function: Callable[[Array, Array], npt.ArrayLike], called: str, count: int) -> None:
+        self.function, self.called, self.count = function, called, count
+        self._at: tuple[Array | None, Array | None] = (None, None)
+        self._kept: dict[str, Array] = {}
+
+    def along(self, u: Array, v: Array, key: str) -> Array:
+        """Return the components at points, or for a key such as `x` or `xy` their derivatives."""
         if self._at[0] is not u or self._at[1] is not v:
-            found = self.function(u, v)
-            # Components may be of different shapes: a number and arrays.
-            if isinstance(found, (tuple, list)) and len(found) == self.count:
-                found = np.stack([np.broadcast_to(one, u.shape) for one in found])
-            array = real_array(found, self.name)
-            if array.shape != (self.count, *u.shape):
-                raise GridgenError(
-                    f"the function of {self.name} must return an array of shape {(self.count, *u.shape)}, components "
-                    f"first; came {array.shape}"
-                )
-            self._at, self._found = (u, v), array
-        return self._found
+            self._at, self._kept = (u, v), {}
+        if key not in self._kept:
+            self._kept[key] = difference(self._call, u, v, key) if key else self._call(u, v)
+        return self._kept[key]
+
+    def _call(self, u: Array, v: Array) -> Array:
+        found = self.function(u, v)
+        # Components may be of different shapes: a number and arrays.
+        if isinstance(found, (tuple, list)) and len(found) == self.count:
+            found = np.stack([np.broadcast_to(one, u.shape) for one in found])
+        array = real_array(found, self.called)
+        if array.shape != (self.count, *u.shape):
+            raise GridgenError(
+                f"the function of {self.called} must return an array of shape {(self.count, *u.shape)}, components "
+                f"first; came {array.shape}"
+            )
+        return array
 
 
+@dataclass(frozen=True, slots=True)
 class _Part:
-    """One component of a joint function, as a function of two arrays."""
+    """One component of a function of all of them: what a `ScalarField` evaluates."""
 
-    __slots__ = ("joint", "number")
+    joint: _Joint
+    number: int
 
-    def __init__(self, joint: _Joint, number: int) -> None:
-        self.joint, self.number = joint, number
+    def values(self, x: Array, y: Array) -> Array:
+        """Return the values at points."""
+        return np.asarray(self.joint.along(x, y, "")[self.number])
 
-    def __call__(self, u: Array, v: Array) -> Array:
-        return np.asarray(self.joint(u, v)[self.number])
-
-    def __str__(self) -> str:
-        return str(self.joint.function)
+    def derivatives(self, x: Array, y: Array, along: tuple[str, ...]) -> list[npt.ArrayLike]:
+        """Return the derivatives along `x`, `y`, `xx`, `xy` or `yy`, by differences."""
+        return [self.joint.along(x, y, key)[self.number] for key in along]

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
+from .sampled import nodal
 
 #: The node of each corner of a cell (i, j), as offsets, in the order of `corner_jacobians`: counter-clockwise.
 _OFFSETS = ((0, 0), (1, 0), (1, 1), (0, 1))
@@ -17,6 +18,13 @@ _OFFSETS = ((0, 0), (1, 0), (1, 1), (0, 1))
 def location(plane: npt.NDArray[Any], shape: tuple[int, int]) -> str:
     """Return what an entry of a plane belongs to: `node`, `cell` or `corner` of a grid of this shape."""
     return "corner" if plane.ndim == 3 else "node" if plane.shape == shape else "cell"
+
+
+def at_nodes(plane: Array, shape: tuple[int, ...]) -> Array:
+    """Return a plane per node, cell or corner as values at the nodes: means over the cells around each."""
+    if plane.shape == shape:
+        return plane
+    return nodal(plane.mean(axis=0) if plane.ndim == 3 else plane)
 
 
 def at_one_location(planes: list[Array], shape: tuple[int, int]) -> list[Array]:

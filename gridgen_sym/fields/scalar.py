@@ -13,7 +13,8 @@ from ..arrays import Array, real_array
 from ..errors import GridgenError, UnusableValueError, quoted
 from .formula import Formula, SymbolicFormula, is_expression
 from .function import Constant, Function, required_arguments, takes_two_arrays
-from .sampled import SampledField, nodal
+from .locations import at_nodes
+from .sampled import SampledField
 
 if TYPE_CHECKING:
     import sympy
@@ -156,13 +157,6 @@ class ScalarField:
                 f"{self.place(x, y, index)}: check {'its formula' if self.evaluator else 'it'} there"
             )
         return np.ascontiguousarray(np.broadcast_to(value, x.shape))
-
-
-def at_nodes(plane: Array, shape: tuple[int, ...]) -> Array:
-    """Return a plane per node, cell or corner as values at the nodes: means over the cells around each."""
-    if plane.shape == shape:
-        return plane
-    return nodal(plane.mean(axis=0) if plane.ndim == 3 else plane)
 
 
 def as_scalar(
