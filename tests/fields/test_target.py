@@ -167,6 +167,16 @@ def test_a_law_per_cell_and_one_number_go_together():
     assert one == pytest.approx(gg.energy(grid, "winslow", target=whole, **options), rel=1e-14)
 
 
+def test_a_length_per_node_and_one_per_corner_go_together():
+    grid = mild_grid()
+    random = np.random.default_rng(8)
+    nodal, corners = random.uniform(0.1, 0.3, (9, 8)), random.uniform(0.1, 0.3, (4, 8, 7))
+    mixed, whole = (
+        gg.energy(grid, "winslow", target=gg.Target(w1, corners), backend="numpy") for w1 in (nodal, at_corners(nodal))
+    )
+    assert mixed == pytest.approx(whole, rel=1e-14)
+
+
 @pytest.mark.parametrize(
     "source",
     [
