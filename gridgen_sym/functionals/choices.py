@@ -49,16 +49,24 @@ class choice(sympy.Function):  # type: ignore[misc] # noqa: N801 - a SymPy funct
         return _evaluated(self, precision)
 
     def _sympystr(self, printer: Any) -> str:  # noqa: ANN401 - printers of SymPy have no common type
-        left, right, first, second = map(printer._print, self.args)
-        test = f"{right} > {left}" if self.args[0].is_number else f"{left} < {right}"
-        return f"where({test}, {first}, {second})"
+        first, second = map(printer._print, self.args[2:])
+        return f"where({self._test(printer)}, {first}, {second})"
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:  # noqa: ANN401
-        left, right, first, second = map(printer._print, self.args)
-        test = f"{right} > {left}" if self.args[0].is_number else f"{left} < {right}"
-        rows = rf"{first} & \text{{if }} {test} \\ {second} & \text{{otherwise}}"
+        first, second = map(printer._print, self.args[2:])
+        rows = rf"{first} & \text{{if }} {self._test(printer)} \\ {second} & \text{{otherwise}}"
         text = rf"\left(\begin{{cases}} {rows} \end{{cases}}\right)"
         return text if exp is None else f"{text}^{{{exp}}}"
+
+    def _test(self, printer: Any) -> str:  # noqa: ANN401
+        """Return the comparison for readers: a number stands by itself on the right."""
+        left, right = self.args[:2]
+        if not (left.is_number or right.is_number):
+            return f"{printer._print(left)} < {printer._print(right)}"
+        number, rest = (left - right).as_coeff_Add()
+        if rest.could_extract_minus_sign():
+            return f"{printer._print(-rest)} > {printer._print(number)}"
+        return f"{printer._print(rest)} < {printer._print(-number)}"
 
     def _pythoncode(self, printer: Any) -> str:  # noqa: ANN401
         # The real parts: numbers of mpmath and of checks may be complex. The other branch is not evaluated.

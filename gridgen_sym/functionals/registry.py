@@ -121,7 +121,8 @@ def define(
     Args:
         name: lower-case identifier, not yet taken.
         density: function of the metric `m` (and of parameters with default values), or the same as
-            text, for example `"(g11 + g22)/J + k*g12**2"`.
+            text, for example `"(g11 + g22)/J + k*g12**2"` or `"max(0, 1 - J)**2"`; the page on the language of
+            formulas lists the functions.
         parameters: default values, for a density given as text.
         constraints: comparisons that the parameters must meet, such as `("k >= 0",)` or `("0 < k < 1",)`. What is
             derived, such as polyconvexity, is decided for the parameters that they allow. They may name components of

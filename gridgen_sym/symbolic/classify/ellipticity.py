@@ -7,7 +7,8 @@ zero), a rotation of the physical plane brings v to the x-axis, and then with re
 
 There the symbol's determinant is often a product of sums of squares, which proves that it is positive.
 
-Without a proof, random jets decide (`random_jets`).
+Without a proof, random jets decide (`random_jets`). Where comparisons choose between branches, the equations of every
+branch must be of the type that is proved.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import Literal
 import sympy
 from sympy import Expr, Symbol
 
+from ...functionals.choices import CHOICES, branches
 from ..coordinates import METRIC, J, epsilon, x_eta, x_xi, y_eta, y_xi
 from ..definiteness import is_nonnegative, is_positive, without_functions, without_square_roots
 from .principal_symbol import is_large, k1, k2
@@ -65,6 +67,10 @@ def ellipticity(matrix: sympy.Matrix, *, rotates: bool, turns: bool, positive: t
     if found.type == "changing type":
         point = witness(matrix, found)
         return Ellipticity("changing type", "refuted" if point else "sampled", point)
+    if matrix.has(*CHOICES):
+        parts = [ellipticity(part, rotates=rotates, turns=turns, positive=positive) for part in branches(matrix) or ()]
+        proved = all(part.type == found.type and part.proof == "proved" for part in parts)
+        return Ellipticity(found.type, "proved" if parts and proved else "sampled")
     charts = _charts(matrix, turns=turns) if rotates else _raw_charts(matrix)
     if charts is None:
         return Ellipticity(found.type, "sampled")

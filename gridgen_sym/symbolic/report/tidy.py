@@ -8,6 +8,7 @@ from functools import lru_cache
 import sympy
 from sympy import Expr, Symbol
 
+from ...functionals.choices import CHOICES, choice
 from ...functionals.metric import symbol
 from ..coordinates import SECOND_DERIVATIVES, expand_metric, g11, g22
 from ..definiteness import almost_everywhere, is_high
@@ -30,7 +31,7 @@ def tidy(expression: Expr) -> Expr:
 
     Impulses at kinks and jumps are left out: the report says where those are.
     """
-    expression, roots = _without_roots(almost_everywhere(sympy.sympify(expression)))
+    expression, roots = _without_roots(_merged(almost_everywhere(sympy.sympify(expression))))
     size = sympy.count_ops(expression)
     if not expression.is_rational_function(*expression.free_symbols) or size > _LARGEST:
         return expression.subs(roots)
@@ -62,6 +63,37 @@ def _without_roots(expression: Expr) -> tuple[Expr, dict[Symbol, Expr]]:
     names = {base: name for name, base in zip(roots, bases, strict=True)}
     whole = {power: names[power.base] ** (2 * power.exp) for power in halves}
     return expression.xreplace(whole), roots
+
+
+def _merged(expression: Expr) -> Expr:
+    """Return an expression with every product of choices by the same comparison as one choice."""
+    if not expression.has(choice):
+        return expression
+    powers = expression.replace(
+        lambda part: part.is_Pow and isinstance(part.base, choice),
+        lambda part: choice(*part.base.args[:2], *(value**part.exp for value in part.base.args[2:])),
+    )
+    return powers.replace(sympy.Mul, _merged_product)
+
+
+def _merged_product(*factors: Expr) -> Expr:
+    number, result = sympy.S.One, sympy.S.One
+    branched: dict[tuple[Expr, Expr], list[Expr]] = {}
+    for factor in factors:
+        if isinstance(factor, CHOICES):
+            branched.setdefault(factor.as_choice().args[:2], []).append(factor)
+        elif factor.is_Rational:
+            number = factor
+        else:
+            result *= factor
+    for sides, found in branched.items():
+        if any(isinstance(part, choice) for part in found):
+            values = zip(*(part.as_choice().args[2:] for part in found), strict=True)
+            result *= choice(*sides, *(number * sympy.prod(of_branch) for of_branch in values))
+            number = sympy.S.One
+        else:
+            result *= sympy.prod(found)
+    return number * result
 
 
 def tidy_quadratic(expression: Expr, variables: Sequence[Symbol]) -> Expr:
