@@ -10,8 +10,10 @@ COMMANDS = frozenset(
     re.findall(
         r"\w+",
         """section subsection label texttt cite begingroup endgroup allowdisplaybreaks begin end notag eqref frac
-        partial xi eta theta varepsilon chi tau det left right bigl bigr Bigl Bigr quad sqrt int exp log sin cos tan
-        sinh cosh tanh max min operatorname mathrm text neq ge le to infty cdot surd textbackslash textasciitilde""",
+        partial alpha beta gamma delta zeta eta theta kappa lambda mu nu xi rho sigma tau phi psi omega varepsilon chi
+        det left right bigl bigr Bigl Bigr quad sqrt int exp log sin cos tan
+        sinh cosh tanh max min operatorname mathrm text neq ge le to infty cdot surd times nabla pm
+        textbackslash textasciitilde""",
     )
 )
 ENVIRONMENTS = frozenset(["equation", "split", "align", "subequations", "bmatrix", "cases"])
@@ -111,6 +113,8 @@ class Value:
     def product(self):
         result = self.power()
         while self.peek() not in _ENDS:
+            if self.peek() == "\\times":
+                self.take()
             result *= self.power()
         return result
 

@@ -11,11 +11,14 @@ from support import BUILTIN, LITERATURE
 from gridgen_sym.functionals import functional
 from gridgen_sym.functionals.bibliography import REFERENCES
 from gridgen_sym.functionals.definition import Functional
+from gridgen_sym.functionals.metric import TARGET_NAMES
 from gridgen_sym.functionals.references import SOURCES, references_of
 from gridgen_sym.functionals.registry import literature_sources
 from gridgen_sym.symbolic import classify, corner_model, derive_latex, euler_lagrange
 from gridgen_sym.symbolic.coordinates import FIRST_DERIVATIVES, METRIC, SECOND_DERIVATIVES
 from gridgen_sym.symbolic.definiteness import almost_everywhere
+from gridgen_sym.symbolic.report import prose
+from gridgen_sym.symbolic.report.description import sentence
 from gridgen_sym.symbolic.report.sections import moving_variants
 from tests.support_latex import Value, check, equations, rows, visible
 
@@ -29,7 +32,9 @@ OWN = {
     "null": Functional("null", "3*J"),
 }
 QUICK = ("length", "knupp", "two", "null")
-CASES = [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in (*BUILTIN, *OWN)]
+#: Of the literature, those that are derived within a second.
+CHEAP = ("riemannian_length", "area_at_corners", "unam_area", "tmop_14", "tmop_55", "tmop_56")
+CASES = [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in (*BUILTIN, *CHEAP, *OWN)]
 
 
 def known(name):
@@ -67,6 +72,7 @@ def point(name):
     values = {
         str(m): float(meaning.subs({p: jets[str(p)] for p in FIRST_DERIVATIVES})) for m, meaning in METRIC.items()
     }
+    values |= dict(zip(TARGET_NAMES, values.values(), strict=True))
     assert values["J"] > 0
     definition = known(name)
     others = [*definition.parameters, *definition.components, "s", "x", "y", "xi", "eta", "k1", "k2"]
@@ -132,6 +138,15 @@ def test_parameters_and_constraints_are_in_words():
     one = derive_latex(Functional("one", "k*g11", parameters={"k": 1.5}))
     assert "The default value of the parameter is $k = 1.5$, without constraints." in one
     assert "vanish identically (proved): $F$ is a null Lagrangian" in derive_latex(OWN["null"])
+
+
+@pytest.mark.parametrize("name", [*BUILTIN, *LITERATURE])
+def test_the_words_on_every_functional_are_latex(name):
+    """Description, parameters, constraints and fields: what depends on no derivation."""
+    definition = functional(name)
+    check(prose.joined([sentence(definition.description), *prose.fields(definition), prose.parameters(definition)]))
+    references = "".join(f"% {line}\n" for one in references_of(definition) for line in one.bibtex().split("\n"))
+    check(f"{references}{prose.source(definition)}")
 
 
 def test_a_kink_is_reported():

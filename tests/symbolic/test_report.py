@@ -97,4 +97,5 @@ def test_what_is_not_rational_stays_as_it_was_derived():
 def test_a_sentence_is_safe_for_latex():
     from gridgen_sym.symbolic.report.latex import latex_sentence
 
-    assert latex_sentence("50% of k_A & J² < #1") == r"50\% of k\_A \& J$^2$ $<$ \#1"
+    assert latex_sentence("50% of k_A & J² < #1") == r"50\% of k\_A \& J$^{2}$ $<$ \#1"
+    assert latex_sentence("M⁻¹ + (W⁻¹)ᵗ → σ") == r"M$^{-1}$ + (W$^{-1}$)$^{t}$ $\to$ $\sigma$"

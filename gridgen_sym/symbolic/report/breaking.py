@@ -96,10 +96,17 @@ def _opened(expression: Expr, limit: float) -> list[Piece]:
         if width(whole) <= _NARROW * limit and factor is not by_width[-1]:
             text = f"{text} {whole}".strip()
             continue
-        opened = bracketed(pieces(base, limit), before=text, behind=power)
-        found = [*after(found, f" {opened[0].text}"), *opened[1:]] if found else opened
-        text = ""
+        opened = bracketed(pieces(base, limit), behind=power)
+        found = found or ([Piece(text)] if text else [])  # Narrow factors come first.
+        found = _multiplied(found, opened, limit) if found else opened
     return found
+
+
+def _multiplied(first: list[Piece], second: list[Piece], limit: float) -> list[Piece]:
+    """Return a product, with a sign of multiplication between its factors where they are too wide for one line."""
+    if width(f"{first[-1].text} {second[0].text}") <= (limit if len(first) == 1 else _NARROW * limit):
+        return [*after(first, f" {second[0].text}"), *second[1:]]
+    return [*first, *_before(r"\times", second)]
 
 
 def _base(factor: Expr) -> Expr:

@@ -63,7 +63,7 @@ def _rows(equation: Equation, limit: float) -> list[str]:
 def _space(line: Piece) -> str:
     """Return the indentation of a line, and an empty group where a sign begins it: it keeps its spaces."""
     space = r"\quad" * round(indent(line) / INDENT)
-    return f"{space} {{}}" if line.text[0] in "+-" else space
+    return f"{space} {{}}" if line.text.startswith(("+", "-", r"\times")) else space
 
 
 def _aligned(rows: Sequence[str], label: str) -> str:

@@ -198,8 +198,8 @@ def _classification(functional: Functional, equations: Equations) -> Iterator[st
 
 def _determinant(found: Classification, symbol: str, equations: Equations) -> Expr:
     """Return the determinant of the symbol: by the names of its entries, where these are shown and it is no simpler."""
-    (a, b), (_, d) = found.symbol.tolist()
-    if found.determinant == a * d - b * b and "a_{11}" in symbol:
+    (a, b), (c, d) = found.symbol.tolist()
+    if found.determinant == a * d - b * c and "a_{11}" in symbol:
         a, b, d = (sympy.Symbol(f"a{place}") for place in ("11", "12", "22"))
         return a * d - b**2
     return sympy.factor_terms(equations.indicators.write(found.determinant))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 
 import sympy
 from sympy import Expr, Symbol
 
+from .printer import GREEK, small_brackets, split_sign, symbol_name
 from .printer import latex as latex
-from .printer import small_brackets, split_sign, symbol_name
 from .sections import Divergence, Quasilinear
 
 #: A matrix of more letters of LaTeX than this does not fit on a page.
@@ -17,10 +18,12 @@ _WIDEST = 360
 _UNSAFE = {
     **{character: f"\\{character}" for character in "_#$%&{}"},
     **{"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\textasciitilde{}"},
-    **{"²": "$^2$", "³": "$^3$", "½": "$1/2$", "¼": "$1/4$", "<": "$<$", ">": "$>$", "–": "--", "—": "---"},
+    **{"½": "$1/2$", "¼": "$1/4$", "<": "$<$", ">": "$>$", "–": "--", "—": "---", "’": "'"},
     **{"√": r"$\surd$", "·": r"$\cdot$", "≥": r"$\ge$", "≤": r"$\le$", "∂": r"$\partial$", "∞": r"$\infty$"},
-    **{"ξ": r"$\xi$", "η": r"$\eta$", "σ": r"$\sigma$", "λ": r"$\lambda$", "ε": r"$\varepsilon$", "χ": r"$\chi$"},
+    **{"ε": r"$\varepsilon$", "×": r"$\times$", "∇": r"$\nabla$", "→": r"$\to$", "±": r"$\pm$"},
 }
+_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ᵗᵀ", "0123456789-+tT")
+_WORDS = re.compile(r"[⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ᵗᵀ]+|.", re.DOTALL)
 
 
 def latex_formulas(item: Divergence | Quasilinear | tuple[str, Expr | sympy.Matrix]) -> list[str]:
@@ -83,4 +86,12 @@ def latex_label(name: str) -> str:
 
 def latex_sentence(text: str) -> str:
     """Return a sentence with its symbols safe for LaTeX."""
-    return "".join(_UNSAFE.get(character, character) for character in text)
+    return _WORDS.sub(lambda match: _safe(match[0]), text)
+
+
+def _safe(part: str) -> str:
+    """Return a character, or characters that are raised, as LaTeX."""
+    if part.translate(_RAISED) != part:
+        return f"$^{{{part.translate(_RAISED)}}}$"
+    letter = unicodedata.name(part, "").removeprefix("GREEK SMALL LETTER ").lower() if not part.isascii() else ""
+    return f"$\\{letter}$" if letter in GREEK else _UNSAFE.get(part, part)

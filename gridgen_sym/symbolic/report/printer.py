@@ -17,10 +17,10 @@ from .tidy import common_factor
 _GREEK = re.compile(r"xi|eta")
 _SPECIAL = {"epsilon": r"\varepsilon", "chi": r"\chi", "root": r"\sqrt{J^2 + \varepsilon^2}"}
 #: Names that are Greek letters.
-_LETTERS = frozenset(
+GREEK = frozenset(
     (
         *("alpha", "beta", "gamma", "delta", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi", "rho"),
-        *("sigma", "tau", "phi", "psi", "omega"),
+        *("sigma", "tau", "phi", "chi", "psi", "omega"),
     )
 )
 #: Factors of a product and terms of a sum are in the order of these classes; what is in none of them goes first.
@@ -60,7 +60,7 @@ def symbol_name(variable: Symbol) -> str:
     if match := re.fullmatch(r"([a-zA-Z]+)(\d+)", head):
         head, below = match[1], [match[2], *below]
     if len(head) > 1:
-        head = f"\\{head}" if head in _LETTERS else rf"\mathrm{{{head}}}"
+        head = f"\\{head}" if head in GREEK else rf"\mathrm{{{head}}}"
     return f"{head}_{{{','.join(below)}}}" if below else head
 
 
