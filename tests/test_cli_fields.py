@@ -83,9 +83,21 @@ def test_two_lengths_and_an_angle_are_a_target():
     assert farthest(gg.read("a.npz"), gg.domain("square", 9, 8)) < 1e-9
 
 
+def test_control_functions():
+    run("--control", "-2*xi, 0.5", "--solver", "euler-lagrange", functional="winslow")
+    start = gg.domain("square", 9, 8)
+    found = gg.solve_euler_lagrange(start, "winslow", control=("-2*xi", 0.5), backend="numpy").grid
+    assert farthest(gg.read("a.npz"), found) < 1e-12
+    assert farthest(found, start) > 0.01
+    run("--control", "thomas-middlecoff", "--solver", "relaxation", functional="winslow")
+    assert farthest(gg.read("a.npz"), start) < 1e-9
+
+
 @pytest.mark.parametrize(
     ("arguments", "match"),
     [
+        (("-f", "winslow", "--control", "0, 0"), "--control belongs to the equations"),
+        (("-f", "winslow", "--solver", "relaxation", "--control", "laplace"), "--control takes two formulas"),
         (("--field", "M"), "--field is written NAME=VALUE"),
         (("--field", "M:melted=1"), "came 'M:melted=1'"),
         (("--field", "M=(1, 0, 1)", "--field", "M=(1, 0, 1)"), "--field gives M twice"),

@@ -74,6 +74,22 @@ def target_of(text: str | None) -> Target | None:
     raise GridgenError(f"{_TARGET}; came {quoted(text)}")
 
 
+def control_of(text: str) -> Any:  # noqa: ANN401 - two formulas, or a name
+    """Return the control functions that `--control` gives: two formulas in xi and eta, or how they are computed.
+
+    Raises:
+        GridgenError: for anything else.
+    """
+    parts = _parts(text)
+    if len(parts) == 2:
+        return tuple(parts)
+    if text.strip() == "thomas-middlecoff":
+        return text.strip()
+    raise GridgenError(
+        f"--control takes two formulas in xi and eta, such as '-2*xi, 0', or thomas-middlecoff; came {quoted(text)}"
+    )
+
+
 def field_of(text: str, *, smooth: bool) -> Source:
     """Return what `--to` or `--weight` names, as `as_scalar` takes it: a formula, samples, or numbers of one grid.
 

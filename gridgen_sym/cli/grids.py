@@ -11,7 +11,7 @@ import click
 
 from ..errors import GridgenError
 from .base import functionals_option
-from .field import field_of, fields_of, target_of
+from .field import control_of, field_of, fields_of, target_of
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import continuation_of, parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
@@ -66,6 +66,12 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     "degrees, formulas in xi and eta: '0.01*(1 + xi), 0.02, 90'.",
 )
 @click.option("--wall", "walls", multiple=True, metavar="SIDE:first=HEIGHT,...", help=WALL_HELP)
+@click.option(
+    "--control",
+    metavar="P,Q",
+    help="Control functions of winslow's equations: formulas in xi and eta, such as '-2*xi, 0', or thomas-middlecoff, "
+    "from the spacing of the boundary nodes (euler-lagrange and relaxation).",
+)
 @click.option(
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter. May be repeated."
 )
@@ -131,6 +137,8 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     if quiet:
         given["progress"] = False
     if solver in ("newton", "local"):
+        if options["control"] is not None:
+            raise GridgenError(f"--control belongs to the equations (euler-lagrange, relaxation), not to {solver}")
         method = cast("Literal['newton', 'local']", solver)
         given |= {"functional": name, "method": method, "interior_only": interior_only}
         if options["continuation"] is None:
@@ -141,6 +149,8 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
         raise GridgenError(f"--continuation belongs to the discrete energy (newton, local), not to --solver {solver}")
     if interior_only:
         raise GridgenError(f"--interior-only belongs to the discrete energy (newton, local), not to --solver {solver}")
+    if options["control"] is not None:
+        given["control"] = control_of(options["control"])
     way: Literal["newton", "relaxation"] = "relaxation" if solver == "relaxation" else "newton"
     return partial(solve_euler_lagrange, functional=name, method=way, **given)
 

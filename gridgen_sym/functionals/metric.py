@@ -28,10 +28,24 @@ POSITION_NAMES, LOGICAL_NAMES = ("x", "y"), ("xi", "eta")
 DENSITY_NAMES = (*METRIC_NAMES, WEIGHT_NAME, *DERIVATIVE_NAMES, *POSITION_NAMES, *LOGICAL_NAMES, *TARGET_NAMES)
 #: The inverse of the target, V = W⁻¹, row by row.
 INVERSE_TARGET_NAMES = ("V11", "V12", "V21", "V22")
+#: The control functions P and Q, which equations may be given.
+CONTROL_NAMES = ("control_P", "control_Q")
 #: Names that derivations use, so that a parameter cannot have them.
 RESERVED_NAMES = frozenset(
     (
-        *(*DENSITY_NAMES, *INVERSE_TARGET_NAMES, *FUNCTION_NAMES, "pi", "epsilon", "root", "chi", "k1", "k2", "D"),
+        *(
+            *DENSITY_NAMES,
+            *INVERSE_TARGET_NAMES,
+            *CONTROL_NAMES,
+            *FUNCTION_NAMES,
+            "pi",
+            "epsilon",
+            "root",
+            "chi",
+            "k1",
+            "k2",
+            "D",
+        ),
         *(f"{name}_{suffix}" for name in INVERSE_TARGET_NAMES for suffix in ("xi", "eta")),
         *(f"s_{suffix}" for suffix in ("x", "y", "xx", "xy", "yy", "xi", "eta")),
         *(f"{r}_{suffix}" for r in "xy" for suffix in ("xixi", "xieta", "etaeta")),

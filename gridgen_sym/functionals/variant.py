@@ -5,6 +5,7 @@ A variant is written as text, whose parts are joined by `+`: `plain` where nothi
 - `frozen` or `differentiated`: there is a weight, held at the nodes or differentiated through;
 - `M:differentiated`: the declared field M moves with the nodes (else its values are held);
 - `target`: the metric is taken relative to a target;
+- `control`: the Euler-Lagrange equations have control functions;
 - `regularized`: J, or det T relative to a target, is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2; a weight and
   moving fields are not combined with it.
 """
@@ -32,12 +33,14 @@ class Modes:
         weight: how the weight enters; empty where there is none.
         differentiated: names of the declared fields that move with the nodes, in alphabetical order.
         target: whether the metric is taken relative to a target.
+        control: whether the equations have control functions.
         regularized: whether the barrier is regularized.
     """
 
     weight: Literal["", "frozen", "differentiated"] = ""
     differentiated: tuple[str, ...] = ()
     target: bool = False
+    control: bool = False
     regularized: bool = False
 
     @classmethod
@@ -50,12 +53,12 @@ class Modes:
         parts = [part for part in variant.split("+") if part != "plain"]
         weight: Literal["", "frozen", "differentiated"] = next((mode for mode in _WEIGHTED if mode in parts), "")
         moving = tuple(sorted(part.removesuffix(_MOVES) for part in parts if part.endswith(_MOVES)))
-        modes = cls(weight, moving, "target" in parts, "regularized" in parts)
-        if modes.variant != variant or (modes.regularized and (modes.weight or modes.differentiated)):
+        modes = cls(weight, moving, "target" in parts, "control" in parts, "regularized" in parts)
+        if modes.variant != variant or (modes.regularized and (modes.weight or modes.differentiated or modes.control)):
             raise GridgenError(
                 f"unknown variant {quoted(variant)}: it is 'plain', 'regularized', 'target+regularized', or of "
-                "'frozen' or 'differentiated' (the weight), 'M:differentiated' (a field) and 'target', in this order, "
-                "joined by '+'"
+                "'frozen' or 'differentiated' (the weight), 'M:differentiated' (a field), 'target' and 'control', in "
+                "this order, joined by '+'"
             )
         return modes
 
@@ -66,6 +69,7 @@ class Modes:
             *([self.weight] if self.weight else []),
             *(f"{name}{_MOVES}" for name in self.differentiated),
             *(["target"] if self.target else []),
+            *(["control"] if self.control else []),
             *(["regularized"] if self.regularized else []),
         ]
         return "+".join(parts) or "plain"

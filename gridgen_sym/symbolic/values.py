@@ -16,7 +16,7 @@ from sympy import Expr, Symbol
 from ..errors import GridgenError
 from ..functionals.definition import Functional
 from ..functionals.field_kinds import PHYSICAL_SUFFIXES, components
-from ..functionals.metric import INVERSE_TARGET_NAMES, LOGICAL_NAMES, POSITION_NAMES, WEIGHT_NAME, symbol
+from ..functionals.metric import CONTROL_NAMES, INVERSE_TARGET_NAMES, LOGICAL_NAMES, POSITION_NAMES, WEIGHT_NAME, symbol
 from ..functionals.variant import Modes, Variant
 from .coordinates import differentiate, eta, x, x_eta, x_xi, xi, y, y_eta, y_xi
 
@@ -126,6 +126,8 @@ def values_of(functional: Functional, variant: Variant) -> Values:
         add(components(name, kind), moves=name in modes.differentiated)
     if modes.target:
         add(INVERSE_TARGET_NAMES, moves=False)
+    if modes.control:
+        planes.extend(map(symbol, CONTROL_NAMES))  # In no density, so that their slopes matter nowhere.
     return Values(tuple(planes), in_plane, along, tuple(sloped))
 
 

@@ -20,8 +20,10 @@ from ...fields.target import Target
 from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
 from ...functionals.registry import functional as find_functional
+from ...functionals.variant import Variant
 from ...grids import Grid, corner_jacobians, folded_corners
 from ...grids.grid import check_grid
+from ...runtime import KernelSet, kernels
 from ..logical import LogicalRectangle, Spacing
 from ..minimization import Run
 from ..newton.minimize import minimize
@@ -32,6 +34,7 @@ from ..run.progress import Callback, Progress
 from ..run.result import Result
 from ..run.status import Outcome, Status
 from ..run.stopping import run_to_result
+from .control import Control, Controlled
 from .newton import solve_by_newton
 from .relaxation import solve_by_relaxation
 from .residual import Equations
@@ -53,6 +56,7 @@ def solve_euler_lagrange(
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
     walls: Mapping[str, Wall] | None = None,
+    control: Control | None = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     tolerance: float = 1e-8,
@@ -79,6 +83,10 @@ def solve_euler_lagrange(
             reference grid of the same shape.
         walls: the first heights, growth and angles that are asked for at sides of the block, by side, such as
             `{"bottom": Wall(first=1e-5, growth=1.2)}`; they become the target.
+        control: control functions (P, Q) of the equations g22 (r_xixi + P r_xi) - 2 g12 r_xieta + g11 (r_etaeta +
+            Q r_eta) = 0 of `winslow`, or of others that reduce to a scalar operator: formulas in xi and eta, functions
+            of them, numbers or arrays (ni, nj); or `thomas-middlecoff`: computed from the boundary nodes, whose
+            spacing they carry inwards. From a valid start, Newton's method then begins with `grid` itself.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the residual's norm must fall.
@@ -126,10 +134,11 @@ def solve_euler_lagrange(
     title = f"Euler–Lagrange equations of {definition.name}"
     with Progress(title, callback, progress, Deadline(time_limit)) as report:
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
-        equations = Equations(run.problem)
+        equations = Equations(run.problem, _controlled(control, grid, run.problem, definition, parameters))
 
         def solve() -> Outcome:
-            if method == "newton" and run.problem.kernels.barrier and limit and not _bring_near(run):
+            near = equations.controlled is not None and not run.to_untangle
+            if method == "newton" and run.problem.kernels.barrier and limit and not near and not _bring_near(run):
                 return run.could_not_unfold()
             report.begin("solve", grid.shape)
             if method == "relaxation":
@@ -140,6 +149,23 @@ def solve_euler_lagrange(
             return run.result(_choose(run, equations, run.explained_by_derivatives(outcome), keep_valid))
 
         return run_to_result(solve, result, report)
+
+
+def _controlled(
+    control: Control | None,
+    grid: Grid,
+    problem: Problem,
+    functional: Functional,
+    parameters: Mapping[str, float] | None,
+) -> Controlled | None:
+    """Return the equations with control functions; None where none are given."""
+    if control is None:
+        return None
+
+    def find_kernels(variant: Variant) -> KernelSet:
+        return kernels(functional, variant, parameters, problem.kernels.backend)
+
+    return Controlled.of(control, grid, problem, find_kernels)
 
 
 def _bring_near(run: Run) -> bool:

@@ -44,8 +44,8 @@ def solve_by_relaxation(
         elif norm < safe_norm:
             safe, safe_norm = coordinates.copy(), norm
         for color in range(4):
-            problem.kernels.euler_lagrange_relaxation(
-                coordinates, problem.values(coordinates), problem.fixed, color, strength, problem.steps
+            equations.kernels.euler_lagrange_relaxation(
+                coordinates, equations.values(coordinates), problem.fixed, color, strength, problem.steps
             )
         problem.refresh(coordinates)
         before = norm

@@ -8,7 +8,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...grids import corner_jacobians
+from ...runtime import KernelSet, Values
 from ..problem import Problem, norm_of
+from .control import Controlled
 
 
 @dataclass(slots=True)
@@ -17,24 +19,34 @@ class Equations:
 
     Attributes:
         problem: kernels, values, fixed nodes and the steps of the logical coordinates.
+        controlled: the same with control functions, where there are any.
         best: of all grids (False) and of the valid ones (True): the residual's norm and the coordinates.
     """
 
     problem: Problem
+    controlled: Controlled | None = None
     best: dict[bool, tuple[float, Array]] = field(default_factory=dict)
     _planes: Array | None = None
 
+    @property
+    def kernels(self) -> KernelSet:
+        """The kernels of the equations."""
+        return self.controlled.kernels if self.controlled else self.problem.kernels
+
+    def values(self, coordinates: Array) -> Values | None:
+        """Return what the kernels are given at coordinates."""
+        given = self.problem.values(coordinates)
+        return self.controlled.values(given) if self.controlled else given
+
     def residual(self, coordinates: Array) -> Array:
         """Return the residual (2, ni, nj), zero at fixed nodes."""
-        residual = self.problem.kernels.euler_lagrange_residual(
-            coordinates, self.problem.values(coordinates), self.problem.steps
-        )
+        residual = self.kernels.euler_lagrange_residual(coordinates, self.values(coordinates), self.problem.steps)
         return self.problem.pin(residual)
 
     def jacobian(self, coordinates: Array) -> Array:
         """Return the planes (36, ni, nj) of the Jacobian, in memory that the next call writes to again."""
-        self._planes = self.problem.kernels.euler_lagrange_jacobian(
-            coordinates, self.problem.values(coordinates), self.problem.steps, out=self._planes
+        self._planes = self.kernels.euler_lagrange_jacobian(
+            coordinates, self.values(coordinates), self.problem.steps, out=self._planes
         )
         return self._planes
 

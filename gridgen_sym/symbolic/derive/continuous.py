@@ -19,6 +19,7 @@ from sympy import Expr, Symbol
 
 from ...errors import GridgenError
 from ...functionals.definition import Functional
+from ...functionals.metric import CONTROL_NAMES, symbol
 from ...functionals.variant import Modes
 from ..coordinates import (
     FIRST_DERIVATIVES,
@@ -85,7 +86,8 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
 
     A `frozen` weight is a given function of (xi, eta), with derivatives `s_xi`, `s_eta`; a `differentiated`
     one is s(x, y), with derivatives `s_x`, `s_y`. So are the components of fields: `M11_xi`, or `M11_x`. A target is a
-    function of (xi, eta), of whose inverse V the derivatives are `V11_xi` ....
+    function of (xi, eta), of whose inverse V the derivatives are `V11_xi` .... Control functions are in the reduced
+    system alone.
 
     Raises:
         GridgenError: for the regularized barrier, which is a tool of the discrete side.
@@ -110,6 +112,7 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
     lower = rest[0], rest[1]
     few = len(values.derivatives) <= _MOST_SLOPES
     operator = find_scalar_operator(coefficients, lower) if few else None
+    reduction = find_reduction(operator, lower, values.derivatives)
     return EulerLagrange(
         functional=functional,
         variant=variant,
@@ -120,8 +123,22 @@ def euler_lagrange(functional: Functional, variant: Variant = "plain") -> EulerL
         rest=lower,
         residual=(residual[0], residual[1]),
         operator=operator,
-        reduction=find_reduction(operator, lower, values.derivatives),
+        reduction=_controlled(functional, reduction) if Modes.read(variant).control else reduction,
     )
+
+
+def _controlled(functional: Functional, reduction: Reduction | None) -> Reduction:
+    """Return a reduced system with the control functions P and Q.
+
+    Raises:
+        GridgenError: if there is none.
+    """
+    if reduction is None:
+        raise GridgenError(
+            "control functions need equations that are alpha r_xixi + beta r_xieta + gamma r_etaeta for r = x and y, "
+            f"as those of winslow: those of {functional.name!r} are not, as given here"
+        )
+    return reduction.with_control(*map(symbol, CONTROL_NAMES))
 
 
 def _coefficients(slope: sympy.Matrix, second: Symbol) -> tuple[Expr, Expr]:

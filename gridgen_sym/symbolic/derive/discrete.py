@@ -8,7 +8,7 @@ vectors to node coordinates belongs to the templates.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import sympy
@@ -280,6 +280,8 @@ def _splitting(functional: Functional, variant: Variant) -> Definiteness:
     """
     modes = Modes.read(variant)
     bare = Modes(modes.weight, modes.differentiated, regularized=modes.regularized)
+    if modes.control:
+        return corner_model(functional, replace(modes, control=False).variant).splitting
     if modes.target and not functional.expression().free_symbols & {*NAMED_TARGET_METRIC}:
         return corner_model(functional, bare.variant).splitting
     density = functional.corner_factor * variant_density(functional, variant)

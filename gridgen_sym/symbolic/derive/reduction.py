@@ -86,6 +86,19 @@ class Reduction:
         )
         return first, second
 
+    def with_control(self, along_xi: Expr, along_eta: Expr) -> Reduction:
+        """Return the same system with control functions P and Q, in terms alpha P r_xi and gamma Q r_eta."""
+        alpha, _, gamma = self.operator.coefficients
+        added = alpha * along_xi, gamma * along_eta
+        first, second = (
+            part + added[0] * one + added[1] * other
+            for part, (one, other) in zip(self.system, ((x_xi, x_eta), (y_xi, y_eta)), strict=True)
+        )
+        of_first_order = None
+        if self.first_order is not None:
+            of_first_order = self.first_order[0] + added[0], self.first_order[1] + added[1]
+        return Reduction(self.operator, of_first_order, (first, second))
+
 
 def find_scalar_operator(
     coefficients: Mapping[Symbol, tuple[Expr, Expr]], rest: tuple[Expr, Expr]
