@@ -47,3 +47,13 @@ def test_an_unknown_side_is_an_error_without_a_traceback():
     done = CliRunner().invoke(main, ["grid", "square", "-f", "winslow", "--wall", "below:first=1e-3", "--quiet"])
     assert done.exit_code != 0
     assert "unknown side" in done.output + str(done.exception)
+
+
+def test_sides_slide_on_the_command_line(tmp_path):
+    path = tmp_path / "grid.npz"
+    arguments = ["grid", "quarter_annulus", "-f", "winslow", "--size", "16x12", "--quiet", "-o", str(path)]
+    done = CliRunner().invoke(main, [*arguments, "--slide", "left,right"])
+    assert done.exit_code == 0, done.output
+    start = gg.domain("quarter_annulus", 17, 13)
+    assert np.abs(gg.read(path).xy[0] - start.xy[0]).max() > 1e-3
+    assert CliRunner().invoke(main, [*arguments, "--slide", "left", "--solver", "local"]).exit_code != 0

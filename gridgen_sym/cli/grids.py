@@ -66,6 +66,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     "degrees, formulas in xi and eta: '0.01*(1 + xi), 0.02, 90'.",
 )
 @click.option("--wall", "walls", multiple=True, metavar="SIDE:first=HEIGHT,...", help=WALL_HELP)
+@click.option("--slide", metavar="SIDES", help="Sides whose nodes slide along them: all, or bottom,top (newton only).")
 @click.option(
     "--control",
     metavar="P,Q",
@@ -136,6 +137,10 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     given["walls"] = walls_of(options["walls"]) or None
     if quiet:
         given["progress"] = False
+    if options["slide"]:
+        if solver != "newton":
+            raise GridgenError(f"--slide belongs to --solver newton, not to {solver}")
+        given["slide"] = tuple(options["slide"].split(",")) if options["slide"] != "all" else "all"
     if solver in ("newton", "local"):
         if options["control"] is not None:
             raise GridgenError(f"--control belongs to the equations (euler-lagrange, relaxation), not to {solver}")

@@ -12,11 +12,13 @@ from ..boundary.wall import Wall, walls_by_side
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..fields.target import Target
+from ..fields.wall_cells import misplaced_sides
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Grid
 from ..grids.grid import check_grid
+from .harmonic import move_sides
 from .local import sweep_until_converged
 from .logical import LogicalRectangle, Spacing
 from .minimization import Run
@@ -46,6 +48,7 @@ def optimize(
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
     walls: Mapping[str, Wall] | None = None,
+    slide: object = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     tolerance: float | None = None,
@@ -75,6 +78,9 @@ def optimize(
             reference grid of the same shape.
         walls: the first heights, growth and angles that are asked for at sides of the block, by side, such as
             `{"bottom": Wall(first=1e-5, growth=1.2)}`; they become the target.
+        slide: the sides whose nodes slide along their curves, between the corners: `"all"`, a side, several, or a
+            mapping from sides to curves (points, a SciPy spline, or a function of t in [0, 1]). Without a curve it is
+            that of the side's own nodes, splines between sharp turns, at which nodes stay. Newton's method only.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the gradient's norm must fall; by default 1e-6, and by Newton's method to a target
@@ -107,6 +113,8 @@ def optimize(
         tolerance = _TO_TARGET if target is not None and method == "newton" else _TOLERANCE
     check_controls(tolerance, max_iterations, callback, time_limit)
     check_grid(grid)
+    if slide is not None and method == "local":
+        raise GridgenError("nodes slide by Newton's method only: drop method='local', or slide")
     definition = find_functional(functional)
     rectangle = LogicalRectangle.of(spacing, grid.shape)
     sides = None if walls is None else walls_by_side(walls)
@@ -119,6 +127,7 @@ def optimize(
             fields=fields,
             target=target,
             walls=sides,
+            slide=slide if on.shape == grid.shape else None,
             fixed=fixed,
             parameters=parameters,
             interior_only=interior_only,
@@ -130,7 +139,11 @@ def optimize(
 
     limit = _LIMITS[method] if max_iterations is None else max_iterations
     with Progress(f"{definition.name}, {method}", callback, progress, Deadline(time_limit)) as report:
-        run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
+        problem, start = make(grid, fixed), grid.planes.copy()
+        if problem.slide is not None:
+            problem.retract(start)
+            start = move_sides(grid.planes, start)
+        run = Run(problem, make, definition, parameters, start, report)
 
         def solve() -> Outcome:
             nonlocal sides
@@ -153,6 +166,8 @@ def optimize(
                 max_iterations=limit,
                 keep_valid=keep_valid,
             )
+            if walls is not None:
+                run.remark = misplaced_sides(walls_by_side(walls), run.coordinates)
             return run.explained_by_derivatives(outcome)
 
         return run_to_result(solve, run.result, report)

@@ -23,8 +23,12 @@ from ..grids.grid import check_grid
 from ..runtime import KernelSet, Values, kernels
 from ..runtime.kernel_set import INDEX_STEPS
 from .folds import Folds
+from .linear.solution import LinearSolver
+from .linear.systems import hessian_solver
 from .logical import LogicalRectangle, Spacing
 from .run.checks import check_size, fixed_mask
+from .sliding.slide import Slide, make_slide
+from .sliding.solver import RingedSolver
 
 
 @dataclass(slots=True)
@@ -38,6 +42,7 @@ class Problem:
         interior_only: sum over the corners at inner nodes only, as the paper prints it.
         guard_summed_only: the smallest Jacobian is that of the corners that are summed: others may fold.
         steps: h_xi and h_eta of the logical coordinates.
+        slide: the boundary nodes that slide along curves, or None; they count as fixed elsewhere.
     """
 
     kernels: KernelSet
@@ -47,6 +52,7 @@ class Problem:
     guard_summed_only: bool = False
     steps: tuple[float, float] = INDEX_STEPS
     _values: Values | None = None
+    slide: Slide | None = None
     _lengths: Array | None = None
     _inner_fixed: bool = field(init=False)
 
@@ -108,22 +114,39 @@ class Problem:
         return smallest_inner_jacobian(coordinates) if self.guard_summed_only else smallest
 
     def pin(self, field: Array) -> Array:
-        """Make a field (2, ni, nj) zero at the fixed nodes, in place, and return it."""
+        """Make a field (2, ni, nj) zero at the fixed nodes, and tangential at sliding ones, in place, and return it."""
+        along = None if self.slide is None else self.slide.project(field)
         field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1] = 0.0, 0.0, 0.0, 0.0
         if self._inner_fixed:
             field[:, self.fixed != 0] = 0.0
+        if along is not None:
+            field += along
         return field
 
+    def retract(self, coordinates: Array, *, trial: bool = False) -> None:
+        """Put sliding nodes back on their curves, in place; a `trial` may be refused."""
+        if self.slide is not None:
+            self.slide.retract(coordinates, trial=trial)
+
+    def solver(self) -> LinearSolver:
+        """Return what solves the linear systems of Newton's method."""
+        if self.slide is None:
+            return hessian_solver(self.fixed, self.kernels.backend)
+        return RingedSolver(self.slide.mask(self.fixed), self.kernels.backend)
+
     def hessian(self, coordinates: Array, *, semidefinite: bool = False, out: Array | None = None) -> Array:
-        """Return the stored half of the Hessian (19, ni, nj); entries of fixed nodes are not removed."""
-        return self.kernels.hessian(
-            coordinates,
-            self.values(coordinates),
-            self.steps,
-            semidefinite=semidefinite,
-            interior_only=self.interior_only,
-            out=out,
+        """Return the stored half of the Hessian (19, ni, nj); entries of fixed nodes are not removed.
+
+        At sliding nodes it is that of the tangential unknowns.
+        """
+        values = self.values(coordinates)
+        planes = self.kernels.hessian(
+            coordinates, values, self.steps, semidefinite=semidefinite, interior_only=self.interior_only, out=out
         )
+        if self.slide is not None:
+            whole = self.kernels.energy_gradient(coordinates, values, self.steps, interior_only=self.interior_only)[2]
+            self.slide.constrain(planes, whole, semidefinite=semidefinite)
+        return planes
 
     def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:
         """Count the folds of coordinates; with `mendable`, only those that moving the free nodes may repair."""
@@ -288,6 +311,7 @@ def make_problem(
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | None = None,
     walls: Mapping[str, Wall] | Sides[Wall | None] | None = None,
+    slide: object = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     interior_only: bool = False,
@@ -315,5 +339,7 @@ def make_problem(
     given = inputs if kernel_set.planes else None
     steps = LogicalRectangle.of(spacing, grid.shape).steps(grid.shape)
     problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only, steps)
+    if slide is not None:
+        problem.slide = make_slide(grid, slide, problem.fixed)
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem

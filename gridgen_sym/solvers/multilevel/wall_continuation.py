@@ -16,7 +16,7 @@ from ...arrays import Array
 from ...boundary.sides import Sides
 from ...boundary.wall import Wall
 from ...fields.target import Target
-from ...fields.wall_cells import WallCells, corrected, misplaced_sides, own_cells, wall_cells
+from ...fields.wall_cells import WallCells, corrected, own_cells, wall_cells
 from ...functionals.registry import functional as find_functional
 from ...grids import Grid, corner_jacobians
 from ..minimization import Run
@@ -47,7 +47,6 @@ def approach_walls(run: Run, walls: Sides[Wall | None], backend: str | None) -> 
     Returns:
         The walls whose target has that minimum: their first heights make up for what would come out wrong.
     """
-    run.remark = misplaced_sides(walls, run.coordinates)
     way = WallContinuation(walls, backend, run.report)
     try:
         way.solve(run.coordinates, nested=worth_nesting(run.problem, run.coordinates))

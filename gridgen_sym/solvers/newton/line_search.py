@@ -74,6 +74,7 @@ class LineSearch:
         """
         np.multiply(direction, length, out=self.trial)
         self.trial += self.iterate.coordinates
+        self.iterate.problem.retract(self.trial, trial=True)
         try:
             return self.iterate.problem.energy(self.trial)
         except UnusableValueError:

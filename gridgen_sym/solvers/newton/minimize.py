@@ -8,7 +8,6 @@ from ...arrays import Array
 from ..convergence import ConvergenceTest, converged
 from ..iterate import Iterate
 from ..linear.solution import LinearSolver
-from ..linear.systems import hessian_solver
 from ..problem import Problem
 from ..run.deadline import Deadline
 from ..run.progress import Progress
@@ -79,7 +78,7 @@ def minimize(
     convergence = ConvergenceTest(iterate, tolerance, reference)
     progress.step(0, iterate.energy, iterate.norm, iterate.smallest)
     control = StepControl(keep_valid or barrier, jacobian_floor(iterate.smallest))
-    linear = solver or hessian_solver(problem.fixed, problem.kernels.backend)
+    linear = solver or problem.solver()
     steps = NewtonSteps(problem, linear, progress.deadline, semidefinite)
     extent, trial, least = float(np.ptp(coordinates)), np.empty_like(coordinates), (iterate.norm, 0)
     for iteration in range(max_iterations + 1):
@@ -101,6 +100,7 @@ def minimize(
         if diverges(step, extent):
             return _stuck(Status.DIVERGED, iterate, convergence)
         coordinates += step
+        problem.retract(coordinates)
         # The weight may have changed: progress is measured in the energy with the weight that the step has used.
         control.count(search.folds, iterate.energy - search.energy >= _LITTLE * abs(iterate.energy))
         before = iterate.norm

@@ -1,0 +1,1 @@
+"""Boundary nodes that slide along their curves: curves, the nodes on them, and Newton's systems with tangents."""

@@ -1,0 +1,166 @@
+"""Sliding boundary nodes: conformal maps that are known, derivatives along the curves, and what is refused."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+import gridgen_sym as gg
+from gridgen_sym.boundary.slide_curve import SlideCurve, slide_curve
+from gridgen_sym.solvers.problem import make_problem
+
+# The sides of a quarter of the annulus with radii 1 and 2, as functions of t.
+QUARTER = {
+    "bottom": lambda t: np.stack([np.cos(np.pi / 2 * (1 - t)), np.sin(np.pi / 2 * (1 - t))], -1),
+    "top": lambda t: 2 * np.stack([np.cos(np.pi / 2 * (1 - t)), np.sin(np.pi / 2 * (1 - t))], -1),
+    "left": lambda t: np.stack([0 * t, 1 + t], -1),
+    "right": lambda t: np.stack([1 + t, 0 * t], -1),
+}
+
+
+def uneven_quarter(n):
+    """A start whose boundary nodes are far from where they belong."""
+    u = np.linspace(0, 1, n + 1)
+    v = u + np.sin(2 * np.pi * u) / 40
+    sides = {side: QUARTER[side](t) for side, t in zip(QUARTER, (v, u**1.1, v, u), strict=True)}
+    return gg.transfinite(**sides)
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+@pytest.mark.parametrize(("n", "energy"), [(8, 2.7195863267723), (16, 2.7104758100262)])
+def test_the_quarter_annulus_is_conformal_to_round_off(n, energy, backend):
+    result = gg.optimize(uneven_quarter(n), "winslow", slide=QUARTER, tolerance=1e-12, backend=backend)
+    assert result.converged
+    radius, angle = np.hypot(result.grid.x, result.grid.y), np.arctan2(result.grid.y, result.grid.x)
+    u = np.linspace(0, 1, n + 1)
+    np.testing.assert_allclose(radius, np.broadcast_to(2**u, radius.shape), atol=1e-11)
+    np.testing.assert_allclose(angle, np.broadcast_to(np.pi / 2 * (1 - u[:, None]), angle.shape), atol=1e-11)
+    assert result.energy_per_corner == pytest.approx(energy, abs=1e-12)
+
+
+def test_the_module_of_a_trapezoid():
+    corners = np.array([[0.0, 0], [1, 0], [1, 2], [0, 1]])
+    energies = []
+    for n in (16, 32, 64):
+        u = np.linspace(0, 1, n + 1)[:, None]
+        side = {k: corners[a] + u * (corners[b] - corners[a]) for k, a, b in SIDES}
+        energies.append(gg.optimize(gg.transfinite(**side), "winslow", slide="all", tolerance=1e-10).energy_per_corner)
+    first, second, third = energies
+    ratio = (second - third) / (first - second)
+    limit = third - (second - third) * ratio / (1 - ratio)
+    module = (limit + np.sqrt(limit**2 - 4)) / 2
+    assert module == pytest.approx(1.279261571171, abs=1e-4)
+
+
+SIDES = (("bottom", 0, 1), ("top", 3, 2), ("left", 0, 3), ("right", 1, 2))
+
+
+def test_gradient_and_hessian_are_those_of_the_parameters():
+    start = uneven_quarter(6)
+    problem = make_problem(start, "winslow", slide=QUARTER)
+    place = start.planes.copy()
+    problem.retract(place)
+    random = np.random.default_rng(3)
+    way = problem.pin(random.normal(size=place.shape))
+
+    def gradient_at(step):
+        moved = make_problem(start, "winslow", slide=QUARTER)
+        there = place + step * way
+        moved.retract(place.copy())
+        moved.retract(there)
+        energy, _, gradient = moved.energy_gradient(there)
+        return energy, gradient
+
+    _, _, gradient = problem.energy_gradient(place)
+    h = 1e-4
+    (ahead, slope_ahead), (behind, slope_behind) = gradient_at(h), gradient_at(-h)
+    assert (ahead - behind) / (2 * h) == pytest.approx(float((gradient * way).sum()), rel=1e-5)
+    from gridgen_sym.solvers.linear.sparse import assemble_hessian, to_vector
+
+    mask = problem.slide.mask(problem.fixed)
+    matrix, vector = assemble_hessian(problem.hessian(place), mask), to_vector(way, mask)
+    bend = (ahead - 2 * problem.energy(place)[0] + behind) / h**2
+    assert float(vector @ (matrix @ vector)) == pytest.approx(bend, rel=1e-3)
+    assert not np.allclose(slope_ahead, slope_behind)
+
+
+def test_nodes_stay_on_their_curves_and_corners_stay():
+    start = uneven_quarter(12)
+    result = gg.optimize(start, "winslow", slide=QUARTER)
+    np.testing.assert_allclose(np.hypot(result.grid.x[:, 0], result.grid.y[:, 0]), 1, atol=1e-13)
+    np.testing.assert_allclose(result.grid.x[0], 0, atol=1e-15)
+    for corner in ((0, 0), (0, -1), (-1, 0), (-1, -1)):
+        np.testing.assert_array_equal(result.grid.xy[corner], start.xy[corner])
+
+
+def test_one_side_slides_and_the_others_stay():
+    start = gg.domain("quarter_annulus", 17, 13)
+    result = gg.optimize(start, "winslow", slide="left")
+    np.testing.assert_array_equal(result.grid.xy[1:, [0, -1]], start.xy[1:, [0, -1]])
+    assert np.abs(result.grid.xy[0, 1:-1] - start.xy[0, 1:-1]).max() > 1e-3
+    assert result.energy < gg.optimize(start, "winslow").energy
+
+
+def test_sharp_turns_of_a_side_stay():
+    start = gg.domain("chevron", 17, 13)
+    result = gg.optimize(start, "winslow", slide="all")
+    assert result.converged
+    np.testing.assert_allclose(result.grid.xy[8, 0], start.xy[8, 0])
+
+
+def test_walls_and_sliding_sides_go_together():
+    start = gg.domain("quarter_annulus", 33, 25)
+    result = gg.optimize(start, "winslow", walls={"bottom": gg.Wall(1e-3)}, slide=("left", "right"))
+    side = result.quality.sides["bottom"]
+    assert side.non_orthogonality.percentile_95 < 0.6
+    assert side.first_heights[1] == pytest.approx(1e-3, rel=1e-2)
+    assert "Boundary nodes stay" not in result.message
+
+
+def test_a_valid_grid_is_not_worsened_and_other_functionals_slide_too():
+    start = gg.domain("swan", 21, 21)
+    for name in ("winslow", "modified_liao", "area_winslow"):
+        fixed = gg.optimize(start, name)
+        result = gg.optimize(start, name, slide="all")
+        assert result.quality.valid
+        assert result.energy <= fixed.energy * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("form", ["points", "spline", "function"])
+def test_every_form_of_a_curve_has_its_derivatives(form):
+    t = np.linspace(0, 1, 41)
+    function = QUARTER["bottom"]
+    given = {"points": function(t), "spline": CubicSpline(3 * t, function(t)), "function": function}[form]
+    curve = slide_curve(given)
+    at, h = np.linspace(0.1, 0.9, 7), 1e-4
+    exact = form == "function"
+    np.testing.assert_allclose(np.hypot(*curve.point(at).T), 1, atol=1e-12 if exact else 1e-5)
+    np.testing.assert_allclose(curve.first(at), (curve.point(at + h) - curve.point(at - h)) / (2 * h), atol=1e-5)
+    np.testing.assert_allclose(curve.second(at), (curve.first(at + h) - curve.first(at - h)) / (2 * h), atol=1e-3)
+    np.testing.assert_allclose(curve.nearest(1.1 * curve.point(at)), at, atol=1e-12 if exact else 2e-3)
+
+
+def test_points_have_corners_at_sharp_turns():
+    curve = SlideCurve.of_points([[0, 0], [1, 0], [2, 0], [2, 1], [2, 2]])
+    np.testing.assert_allclose(curve.corners, [0, 0.5, 1])
+
+
+@pytest.mark.parametrize(
+    ("slide", "match"),
+    [
+        ("below", "unknown side 'below' in slide: the sides are bottom, right, top, left, or 'all'"),
+        (3, "slide must be 'all', sides, or a mapping from sides to curves; came 3"),
+        ({"bottom": [[0, 0], [5, 0]]}, "the curve of the side bottom must begin and end at the corners"),
+        ({"left": 3}, "the curve of a side must be points"),
+        ({"left": [[0, 0]]}, "at least two different points"),
+        ({"left": lambda t: t}, r"must return points of shape \(2001, 2\)"),
+        ({"left": [[0, 1], [-1, 1.5], [0, 2]]}, "the nodes of the side left must lie on its curve"),
+    ],
+)
+def test_what_cannot_slide_is_refused(slide, match):
+    with pytest.raises(gg.GridgenError, match=match):
+        gg.optimize(uneven_quarter(8), "winslow", slide=slide)
+
+
+def test_the_paper_s_local_method_does_not_slide():
+    with pytest.raises(gg.GridgenError, match="nodes slide by Newton's method only"):
+        gg.optimize(uneven_quarter(8), "winslow", "local", slide="all")
