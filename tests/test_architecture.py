@@ -26,7 +26,7 @@ GROUND = {"grids", "boundary", "certificates", "io", "plotting"}
 #: The order within a package that has packages of its own.
 INNER_ORDER = {
     "symbolic": ("derive", "classify", "report", "paper"),
-    "solvers": ("run", "linear", "newton", "untangling", "multilevel", "equations"),
+    "solvers": ("run", "linear", "sliding", "newton", "untangling", "multilevel", "equations"),
 }
 #: Modules beside the packages that any package may use, and that use no package themselves.
 SHARED = {

@@ -32,6 +32,9 @@ class OneNumber:
     def refresh(self, coordinates):
         """There is no weight."""
 
+    def retract(self, coordinates, *, trial=False):
+        """No node slides."""
+
     def energy(self, coordinates):
         x = float(coordinates[0, 0, 0])
         return self._energy(x), self._jacobian(x)
