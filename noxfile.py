@@ -16,7 +16,6 @@ COMPATIBILITY = (
     "tests/test_architecture.py",
     "tests/test_public_names.py",
     "tests/codegen/test_printers.py",
-    "tests/symbolic",
     "tests/runtime/test_backends_agree.py",
     "tests/solvers/test_optimize.py",
     "tests/solvers/test_euler_lagrange.py",
@@ -56,14 +55,16 @@ def oldest(session: nox.Session) -> None:
     """A choice of tests with the oldest versions that pyproject.toml allows."""
     install(session, "-c", ".ci/oldest.txt", "-e", ".[test]")
     # Old releases warn of newer ones of the packages that they use themselves.
-    session.run("pytest", "-n", "auto", "-W", "ignore::DeprecationWarning", *COMPATIBILITY, *session.posargs)
+    warnings = ("-W", "ignore::DeprecationWarning")
+    # An older SymPy may derive otherwise; the newest one is that of the main tier.
+    session.run("pytest", "-n", "auto", *warnings, *COMPATIBILITY, "tests/symbolic", *session.posargs)
 
 
 @nox.session(python=["3.12", "3.13"])
 def newest(session: nox.Session) -> None:
-    """The same choice of tests with the newest releases."""
+    """The same choice of tests with the newest releases, on the newest Python."""
     install(session, "--upgrade", "--upgrade-strategy", "eager", "-e", ".[test]")
-    session.run("pytest", "-n", "auto", *COMPATIBILITY, *session.posargs)
+    session.run("pytest", "-n", "auto", *COMPATIBILITY, "tests/symbolic/test_corner_model.py", *session.posargs)
 
 
 @nox.session
