@@ -70,7 +70,7 @@ def expected():
 # ---- forms ----
 
 
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("mode", ["frozen", pytest.param("differentiated", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("form", [*EXACT, *SAMPLED])
 def test_every_form_of_a_tensor_gives_one_grid(form, mode, expected):
     field = (EXACT | SAMPLED)[form](mode)
@@ -146,7 +146,7 @@ def test_every_place_may_be_named():
 
 
 @pytest.mark.parametrize("backend", ["numpy", pytest.param("c", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("source", [SMOOTH, tensor], ids=["formula", "function"])
+@pytest.mark.parametrize("source", [SMOOTH, pytest.param(tensor, marks=pytest.mark.slow)], ids=["formula", "function"])
 def test_a_differentiated_field_belongs_to_the_energy(source, backend):
     grid = mild_grid(5, 6)
     options = {"fields": {"M": gg.Field(source, mode="differentiated")}, "backend": backend}
