@@ -118,8 +118,8 @@ def scrambled(grid, seed):
     return gg.Grid(xy)
 
 
-def bent_grid(seed, most=(9, 8), moves=150):
-    """A valid grid whose nodes, of the boundary, too, were moved at random by up to 0.6 of how far they go."""
+def bent_grid(seed, most=(9, 8), moves=150, most_of_the_way=6):
+    """A valid grid whose nodes, of the boundary, too, were moved at random by up to 0.6 of how far they can go."""
     random = np.random.default_rng(seed)
     shape = int(random.integers(3, most[0] + 1)), int(random.integers(3, most[1] + 1))
     size = 2**20
@@ -129,7 +129,7 @@ def bent_grid(seed, most=(9, 8), moves=150):
     nodes = list(exact.nodes)
     for _ in range(int(random.integers(0, moves))):
         step = tuple(int(value) for value in np.rint(size * random.normal(size=2)))
-        exact.move(nodes[random.integers(len(nodes))], step, Fraction(int(random.integers(1, 7)), 10))
+        exact.move(nodes[random.integers(len(nodes))], step, Fraction(int(random.integers(1, most_of_the_way + 1)), 10))
     return exact.grid(2.0**-20)
 
 

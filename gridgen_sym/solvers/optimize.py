@@ -33,7 +33,7 @@ from .run.status import Outcome, Status
 from .run.stopping import run_to_result
 
 #: Factors by which the gradient must fall. One Newton step more gives ten digits of a grid that attains its target.
-_TOLERANCE, _TO_TARGET = 1e-6, 1e-10
+_TOLERANCE, _TO_TARGET = 1e-6, 1e-12
 #: Default numbers of Newton steps and of sweeps.
 _LIMITS = {"newton": 1000, "local": 5000}
 
@@ -84,7 +84,7 @@ def optimize(
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the gradient's norm must fall; by default 1e-6, and by Newton's method to a target
-            1e-10: where a valid grid attains the target, ten digits of it are found.
+            1e-12: where a valid grid attains the target, ten digits of it are found.
         max_iterations: sweeps, or Newton steps, on the grid itself; steps of untangling and on coarser grids are
             not counted. With 0 a start that needs no untangling comes back as it is.
         keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals

@@ -48,6 +48,16 @@ def test_any_valid_grid_is_the_minimum_of_its_own_target(seed):
     assert farthest(result.grid, wanted) < DIGITS
 
 
+@pytest.mark.parametrize("seed", [29, 133, 272])
+def test_where_rounding_holds_the_gradient_up_the_end_is_reported(seed):
+    """Cells of a millionth of the mean area: the gradient there cannot fall by the factor, and nodes stand still."""
+    wanted = bent_grid(seed, most_of_the_way=9)
+    result = gg.optimize(of_its_boundary(wanted), "winslow", target=wanted)
+    assert result.converged, result.message
+    assert result.iterations < 100
+    assert farthest(result.grid, wanted) < DIGITS
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", ["swan", "quarter_annulus"])
 def test_a_disordered_grid_of_a_domain_comes_back(name, backend, domains):

@@ -28,6 +28,9 @@ _WINDOW, _WINDOW_STEPS = 3e-1, 40
 #: Values that are evaluated anew after every step may never let the grid settle: steps without a smaller gradient.
 _UNSETTLED = 50
 
+#: Over the largest coordinate: Newton steps that are not longer move the nodes by rounding errors only.
+_ROUNDING = 100 * float(np.finfo(float).eps)
+
 #: Why Newton's method ends without converging.
 _WHY = {
     Status.ITERATION_LIMIT: "{steps} Newton steps were not enough; allow more with max_iterations",
@@ -99,6 +102,9 @@ def minimize(
             return _stuck(Status.STALLED, iterate, convergence)
         if diverges(step, extent):
             return _stuck(Status.DIVERGED, iterate, convergence)
+        if steps.is_newton(search) and np.abs(step).max() <= _ROUNDING * np.abs(coordinates).max():
+            remark = " Newton's steps move the nodes by rounding errors only."
+            return converged("gradient", iterate.norm, convergence.first, iteration, remark)
         coordinates += step
         problem.retract(coordinates)
         # The weight may have changed: progress is measured in the energy with the weight that the step has used.

@@ -80,6 +80,10 @@ class NewtonSteps:
             semidefinite = self.clamps
         return None
 
+    def is_newton(self, search: LineSearch) -> bool:
+        """Return whether the last step is a whole one of Newton's method, with the Hessian as it is."""
+        return self.exact and self.shift == 0 and search.length == 1.0
+
     def _solve(self, search: LineSearch, semidefinite: bool) -> Solution | None:
         """Return Newton's direction, or one of negative curvature; None if this Hessian has bad diagonal blocks."""
         self.exact = not semidefinite
