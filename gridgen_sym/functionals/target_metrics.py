@@ -101,10 +101,10 @@ def knupp_shape(m: Metric, p: float = 2.0) -> Formula:
     return ((m.t11 + m.t22) / (2 * m.tau)) ** p
 
 
-@literature("knupp2001")
-def knupp_size(m: Metric) -> Formula:
-    """max(tau, 1/tau), the reciprocal of Knupp's relative size: 1 for the target's area."""
-    return m.max(m.tau, 1 / m.tau)
+@literature("knupp2001", constraints=("p > 1",))
+def knupp_size(m: Metric, p: float = 2.0) -> Formula:
+    """A power of max(tau, 1/tau), the reciprocal of Knupp's relative size: 1 for the target's area."""
+    return m.max(m.tau, 1 / m.tau) ** p
 
 
 @literature("knupp2001")

@@ -90,7 +90,8 @@ def _refuted_at_a_tie(
         for at in sides:
             middle, way = first + at * (last - first), _SHORT * (last - first)
             found, ahead, behind = value(middle), value(middle + way), value(middle - way)
-            excess = found - (ahead + behind) / 2
+            with np.errstate(all="ignore"):  # Powers of large parameters overflow; what is not finite refutes nothing.
+                excess = found - (ahead + behind) / 2
             above = crosses & (excess > _EXCESS * (np.abs(found) + np.abs(ahead) + np.abs(behind)))
             if above.any():
                 point = middle[:, above.argmax()]

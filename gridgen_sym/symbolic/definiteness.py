@@ -147,8 +147,11 @@ def is_positive(expression: Expr, positive: Iterable[Symbol] = ()) -> bool:
 def _signed_factors(expression: Expr) -> tuple[Expr, list[tuple[Expr, int]]]:
     """Return a number and the factors of numerator and denominator with their powers."""
     above, below = sympy.together(expression).as_numer_denom()
-    constant, factors = sympy.factor_list(above)
-    constant_below, factors_below = sympy.factor_list(below)
+    try:
+        constant, factors = sympy.factor_list(above)
+        constant_below, factors_below = sympy.factor_list(below)
+    except TypeError:  # SymPy sorts factors by their powers, also by those that are symbols.
+        return sympy.S.One, [(expression, 1)]
     return constant * constant_below, [*factors, *factors_below]
 
 

@@ -153,6 +153,14 @@ def test_functions_never_raise(density):
     assert found.ellipticity.proof in ("proved", "refuted", "sampled")
 
 
+def test_powers_that_are_parameters_are_no_reason_to_fail():
+    """SymPy cannot sort factors with such powers."""
+    powers = Functional("powers", "max(J, 1/J)**p", parameters={"p": 2.0}, constraints=("p > 1",))
+    found = classify(powers)
+    assert found.barrier
+    assert found.polyconvex.holds
+
+
 def test_densities_of_a_high_degree_are_sampled_and_not_worked_on_for_hours():
     """The numerators that would decide on (g11 + g22 + g12)**10 have thousands of terms."""
     density, high = "g11 + g22 + g12", "(g11 + g22 + g12)**10"

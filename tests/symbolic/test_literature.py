@@ -95,7 +95,7 @@ BY_MATRICES = {
     "tmop_85": lambda t: norm2(t - np.sqrt(norm2(t) / 2) * IDENTITY),
     "tmop_98": lambda t: norm2(t - IDENTITY) / size(t),
     "knupp_shape": lambda t: (np.linalg.cond(t, "fro") / 2) ** 2,
-    "knupp_size": lambda t: max(size(t), 1 / size(t)),
+    "knupp_size": lambda t: max(size(t), 1 / size(t)) ** 2,
     "knupp_skew": lambda t: 1 / sine(t) ** 2,
     "knupp_orientation": lambda t: 1 - np.trace(rotation_of(t)) / 2,
     "garanzha": lambda t: 0.8 * np.linalg.cond(t, "fro") / 2 + 0.2 * (size(t) + 1 / size(t)) / 2,
