@@ -79,6 +79,7 @@ def solve_euler_lagrange(
             after untangling. These steps are not counted as iterations. Relaxation starts from `grid` as it is.
         weight: the paper's adaptive function: formula, function, array or `Weight`.
         fields: values of the fields that the density declares, by name: for each a `Field`, or what one is made of.
+            The equations hold at the nodes: of values per cell or corner they take the means there.
         target: what cells should be like; the metric is taken relative to it, in any functional. A `Target`, or a
             reference grid of the same shape.
         walls: the first heights, growth and angles that are asked for at sides of the block, by side, such as
