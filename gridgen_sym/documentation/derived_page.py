@@ -17,6 +17,7 @@ from ..codegen.printer import Printer
 from ..codegen.programs import kernel
 from ..functionals import Functional
 from ..symbolic import Classification, classify
+from ..symbolic.report.fields import declarations
 from ..symbolic.report.latex import latex, latex_formulas
 from ..symbolic.report.sections import Section, sections
 from .advice import consequences
@@ -97,6 +98,8 @@ def _facts(found: Classification) -> Iterator[tuple[str, str]]:
     if found.kinks:
         zeros = ", ".join(f"${latex(kink)} = 0$" for kink in found.kinks)
         yield "First derivatives jump", f"where {zeros}"
+    if found.functional.fields:
+        yield "Fields", " ".join(declarations(found.functional))
     if found.functional.parameters:
         values = ", ".join(f"`{name}` = {value:g}" for name, value in found.functional.parameters.items())
         rules = ", ".join(f"`{rule}`" for rule in found.functional.constraints)

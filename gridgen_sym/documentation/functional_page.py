@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..atomic import write_bytes
@@ -10,7 +11,7 @@ from ..codegen.derivations import kernel_files
 from ..codegen.render import render_page
 from ..functionals import Functional
 from .derived_page import derived_page
-from .pictures import draw, trials
+from .pictures import draw, example_fields, trials
 
 
 def write_functional_page(functional: Functional, folder: Path) -> Path:
@@ -30,9 +31,17 @@ def write_functional_page(functional: Functional, folder: Path) -> Path:
         pictures=pictures,
         cells=tried[0].start.shape[0] - 1,
         trials=tried,
+        fields=tuple(_example_values(functional)),
         **derived_page(functional),
     )
     return write_if_changed(folder / f"{functional.name}.md", text)
+
+
+def _example_values(functional: Functional) -> Iterator[str]:
+    """Yield the fields with which the trials were made, as Markdown."""
+    for name, field in example_fields(functional).items():
+        parts = field.source if isinstance(field.source, tuple) else (field.source,)
+        yield f"{name} = {', '.join(f'`{part}`' for part in parts)}"
 
 
 def write_if_changed(path: Path, text: str) -> Path:

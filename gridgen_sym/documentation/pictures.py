@@ -8,9 +8,11 @@ from pathlib import Path
 
 from ..boundary import domain, domain_names
 from ..codegen.derivations import summary
+from ..fields import Field
 from ..functionals import Functional
 from ..grids import Grid, quality
 from ..plotting import plot_grids
+from ..selfcheck.setting import Setting
 from ..solvers import Result, optimize
 
 #: Domains with the most instructive pictures, best first; any others follow.
@@ -49,8 +51,14 @@ def trials(functional: Functional) -> tuple[Trial, ...]:
 
 def _trial(functional: Functional, name: str) -> Trial:
     start = domain(name, _NODES, _NODES)
-    result = optimize(start, functional, max_iterations=_STEPS, keep_valid=False, progress=False)
+    fields = example_fields(functional) or None
+    result = optimize(start, functional, fields=fields, max_iterations=_STEPS, keep_valid=False, progress=False)
     return Trial(name, start, quality(start).folded_cells, result)
+
+
+def example_fields(functional: Functional) -> dict[str, Field]:
+    """Return smooth fields of xi and eta for a functional that declares some: those with which it is checked, too."""
+    return Setting(functional, "plain").fields(1.0)
 
 
 def draw(functional: Functional, tried: Sequence[Trial], folder: Path) -> tuple[tuple[str, str], ...]:

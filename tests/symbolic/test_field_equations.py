@@ -51,7 +51,13 @@ def test_thomas_and_middlecoffs_control_functions_are_found():
     assert same(further[1], 2 * g12 * q_xi / (g11 * q) + g22 * p * p_eta / (g11 * q**2))
 
 
-@pytest.mark.parametrize(("case", "variant"), [(STRETCHED, "plain"), (functional("winslow"), "frozen")])
+@pytest.mark.parametrize(
+    ("case", "variant"),
+    [
+        (STRETCHED, "plain"),
+        pytest.param(functional("winslow"), "frozen", marks=pytest.mark.slow),
+    ],
+)
 def test_residual_is_the_matrix_times_the_reduced_system(case, variant):
     derived = euler_lagrange(case, variant)
     assert derived.reduction is not None
@@ -87,7 +93,10 @@ def symbols():
     return {name: symbol(name) for name in ("M11", "M12", "M22")}
 
 
-@pytest.mark.parametrize(("variant", "slopes"), [("plain", ("xi", "eta")), ("M:differentiated", ("x", "y"))])
+@pytest.mark.parametrize(
+    ("variant", "slopes"),
+    [pytest.param("plain", ("xi", "eta"), marks=pytest.mark.slow), ("M:differentiated", ("x", "y"))],
+)
 def test_a_scalar_monitor_drops_out(variant, slopes):
     """Dvinsky's residual with M = c I is Winslow's, term by term: whatever c is, held or moving."""
     c = sympy.Symbol("c", positive=True)
