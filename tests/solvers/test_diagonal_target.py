@@ -55,8 +55,10 @@ def test_relative_to_the_expected_lengths_all_corners_of_an_uneven_rectangle_are
 
 def test_folds_are_measured_relative_to_the_target_and_counted_if_they_can_be_mended(lengths):
     xy = random_grid(*SHAPE, noise=0.4)
+    xy[:, 0, 0] = 3.0  # The deepest fold is at a corner of three fixed nodes.
     target, fixed = DiagonalTarget.of_edges(*lengths), make_problem(gg.Grid.from_planes(*xy), FUNCTIONAL).fixed
     jacobians = corner_jacobians(*xy)
+    assert jacobians[0, 0, 0] < 0
     jacobians[0, 0, 0], jacobians[1, -1, 0], jacobians[2, -1, -1], jacobians[3, 0, -1] = 1e3, 1e3, 1e3, 1e3
     folds = target.folds(xy, fixed)
     assert folds.cells == (jacobians <= 0).any(axis=0).sum() > 0
