@@ -36,7 +36,7 @@ def classification(**properties):
         "polyconvex": SimpleNamespace(holds=True, proof="proved"),
         "lower_bound": SimpleNamespace(value=sympy.Integer(2), proof="proved"),
         "ellipticity": Ellipticity("elliptic", "proved"),
-        "functional": SimpleNamespace(expression=lambda: sympy.Symbol("J"), parameters={}, constraints=()),
+        "functional": SimpleNamespace(expression=lambda: sympy.Symbol("J"), parameters={}, constraints=(), fields={}),
         "words": lambda: ("quasilinear", "coupled", "elliptic"),
     }
     return SimpleNamespace(**(usual | properties))
@@ -104,7 +104,7 @@ def test_facts_are_those_of_the_classification():
         lower_bound=SimpleNamespace(value=None),
         polyconvex=SimpleNamespace(holds=False, proof="refuted"),
         ellipticity=Ellipticity("degenerate", "sampled"),
-        functional=SimpleNamespace(parameters={"k": 0.5, "m": 2.0}, constraints=("k > 0", "m > k")),
+        functional=SimpleNamespace(parameters={"k": 0.5, "m": 2.0}, constraints=("k > 0", "m > k"), fields={}),
     )
     facts = dict(_facts(other))
     assert facts["Equations"].endswith("(sampled)")
