@@ -23,7 +23,7 @@ from .base import functionals_option, loaded_files
 def generate(
     ctx: click.Context, names: tuple[str, ...], folder: str | None, language: str | None, only_check: bool
 ) -> None:
-    """Write kernels of the functionals NAME ... into a folder of your own project, which needs nothing else.
+    """Write kernels of the functionals NAME ... into a folder of your own project; they need nothing of this package.
 
     Without names: write the folder `generated/` of this package, kernels in C and NumPy and the derived equations.
     Only what has changed is derived again.

@@ -16,10 +16,24 @@ from ..functionals.variant import Variant
 from ..messages import report
 from ..resources import is_checkout, resource_folder
 from .backend import Backend
-from .kept_texts import is_the_builtin, kept, key_of_files, key_of_process, texts_in
+from .kept_texts import (
+    definition_files,
+    generator_files,
+    is_newer,
+    is_the_builtin,
+    kept,
+    key_of_contents,
+    key_of_files,
+    key_of_process,
+    texts_in,
+)
+from .source import Source
 
 if TYPE_CHECKING:
     from .kernel import Kernel
+
+#: The file of `generated/` with a key of all that its reports were derived from.
+_STATE = "derived_from.txt"
 
 # ---- kernels ----
 
@@ -82,15 +96,30 @@ def report_latex(functional: Functional, *, complete: bool = False) -> str:
 
 
 def known_report(functional: Functional) -> str:
-    """Return the same; for a built-in functional from its page in `generated/`, unless this is a checkout.
+    """Return the same; for a built-in functional from its page in `generated/`, if that is up to date.
 
-    In a checkout the page may be older than the formulas and the templates.
+    In an installed package it is; in a checkout as long as nothing has changed that it was derived from.
     """
-    page = resource_folder("generated") / "docs" / f"{functional.name}.md"
-    if is_checkout() or not is_the_builtin(functional) or not page.exists():
+    generated = resource_folder("generated")
+    page = generated / "docs" / f"{functional.name}.md"
+    if not is_the_builtin(functional) or not page.exists() or (is_checkout() and not _is_current(generated)):
         return report_text(functional)
     found = re.search(r"^```text\n(.*?)\n```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     return found[1] if found else report_text(functional)
+
+
+def state() -> Source | None:
+    """Return the file of `generated/` that has a key of all that reports are derived from, as it is now.
+
+    Nothing, if some of that has changed since this process began: what was derived may be older.
+    """
+    files = (*generator_files(), *definition_files())
+    return None if any(map(is_newer, files)) else Source(_STATE, f"{key_of_contents(files)}\n")
+
+
+def _is_current(generated: Path) -> bool:
+    now, path = state(), generated / _STATE
+    return now is not None and path.exists() and path.read_text(encoding="utf-8") == now.text
 
 
 # ---- lists ----

@@ -12,7 +12,7 @@ from ..functionals.metric import WEIGHT_NAME
 from ..functionals.variant import Variant, kernel_name
 from ..resources import resource_folder
 from .backend import BUILTIN, find_backend
-from .derivations import kernel_files, report_text, summary
+from .derivations import kernel_files, report_text, state, summary
 from .files import difference, write_sources
 from .render import render_document, render_shared
 from .source import Source
@@ -62,7 +62,8 @@ def write_generated(folder: Path | None = None) -> list[Path]:
     """Write all files, remove those that nothing generates any more, and return the paths that changed."""
     folder = folder or resource_folder("generated")
     wanted = list(all_sources())
-    changed = write_sources(folder, wanted)
+    known = state()
+    changed = write_sources(folder, [*wanted, *([known] if known else [])])
     for path in _stale(folder, {folder / source.path for source in wanted}):
         path.unlink()
         changed.append(path)

@@ -58,10 +58,16 @@ def _generator_key() -> str:
 
 def generator_files() -> list[Path]:
     """Return the files of everything that derives and prints, but for back ends and the built-in definitions."""
-    definitions = {_file_of(functional) for functional in _builtins()}
+    definitions = definition_files()
     folders = (*(_PACKAGE / part for part in _GENERATOR), resource_folder("templates"))
     texts = [path for folder in folders for path in texts_in(folder) if path not in definitions]
     return [*texts, _PACKAGE / "version.py"]
+
+
+def definition_files() -> list[Path]:
+    """Return the files in which built-in functionals are defined."""
+    files = {sys.modules[functional.density.__module__].__file__ for functional in _builtins()}
+    return sorted(Path(file) for file in files if file)
 
 
 def texts_in(folder: Path) -> list[Path]:
@@ -71,11 +77,18 @@ def texts_in(folder: Path) -> list[Path]:
 
 def key_of_files(paths: Iterable[Path]) -> str:
     """Return a key of the names and the contents of files; one of this process alone, if one is newer than that."""
-    parts = []
-    for path in paths:
-        age = key_of_process() if path.stat().st_mtime > _LOADED else ""
-        parts += [path.name, path.read_text(encoding="utf-8"), age]
-    return digest(*parts)
+    paths = tuple(paths)
+    return digest(key_of_contents(paths), key_of_process() if any(map(is_newer, paths)) else "")
+
+
+def key_of_contents(paths: Iterable[Path]) -> str:
+    """Return a key of the names and the contents of files."""
+    return digest(*(part for path in paths for part in (path.name, path.read_text(encoding="utf-8"))))
+
+
+def is_newer(path: Path) -> bool:
+    """Return whether a file is newer than this process, so that it may not be what runs here."""
+    return path.stat().st_mtime > _LOADED
 
 
 @lru_cache(maxsize=1)
@@ -102,13 +115,6 @@ def is_the_builtin(functional: Functional) -> bool:
 
 def _builtins() -> list[Functional]:
     return [find_functional(name) for name in functionals() if is_builtin(name)]
-
-
-def _file_of(functional: Functional) -> Path:
-    """Return the file in which a built-in functional is defined."""
-    file = sys.modules[functional.density.__module__].__file__
-    assert file is not None
-    return Path(file)
 
 
 def _definition_key(functional: Functional) -> str:

@@ -81,6 +81,7 @@ def test_no_source_depends_on_the_hash_seed(derived):
 def few_functionals(monkeypatch):
     """Derive only two functionals, and no documents: what is tested here is the files."""
     monkeypatch.setattr(generate, "functionals", lambda **_: ("length", "area"))
+    monkeypatch.setattr(generate, "state", lambda: Source("derived_from.txt", "key\n"))
     monkeypatch.setattr(
         generate,
         "render_document",
@@ -96,7 +97,7 @@ def written(tmp_path, few_functionals):
         "c/length.c", "c/area.c", "c/area_frozen.c", "c/area_differentiated.c",
         "numpy/length.py", "numpy/area.py", "numpy/area_frozen.py", "numpy/area_differentiated.py",
         "facts/length.json", "facts/area.json", "facts/area_frozen.json", "facts/area_differentiated.json",
-        "docs/length.md", "docs/area.md",
+        "docs/length.md", "docs/area.md", "derived_from.txt",
     }  # fmt: skip
     return tmp_path
 

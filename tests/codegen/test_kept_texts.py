@@ -15,7 +15,7 @@ import gridgen_sym
 from gridgen_sym import cache as cache_module
 from gridgen_sym.codegen import derivations, kept_texts
 from gridgen_sym.codegen.backend import find_backend
-from gridgen_sym.codegen.kept_texts import generator_files, kept, key_of_files
+from gridgen_sym.codegen.kept_texts import definition_files, generator_files, kept, key_of_files
 from gridgen_sym.codegen.render import render_document
 from gridgen_sym.functionals import define, functional
 from gridgen_sym.functionals.definition import Functional
@@ -108,6 +108,12 @@ def test_files_count_and_what_is_newer_than_the_process_is_not_trusted(tmp_path,
     assert key_of_files([file]) != keys[2]
 
 
+def test_nothing_that_derives_reads_files_that_the_key_leaves_out():
+    folders = [ROOT / "gridgen_sym" / name for name in (*kept_texts._GENERATOR, "backends", "documentation")]
+    files = {path for folder in folders for path in folder.rglob("*") if path.is_file()}
+    assert {path.suffix for path in files if path.parent.name != "__pycache__"} == {".py"}
+
+
 @pytest.mark.slow
 def test_every_module_that_derives_is_part_of_the_key():
     """A module that is loaded on the way and forgotten in the key would let an old derivation pass for a new one."""
@@ -130,7 +136,7 @@ print(*(module.__file__ for name, module in sys.modules.items() if name.startswi
     # Back ends have keys of their own; files are loaded for `Grid.write`, with every name of the package.
     other = {file for file in loaded - known if file.split("/")[0] not in ("backends", "grids", "io")}
     assert other - {f"{name}.py" for name in WITHOUT_INFLUENCE} == {
-        path.relative_to(ROOT / "gridgen_sym").as_posix() for path in map(kept_texts._file_of, kept_texts._builtins())
+        path.relative_to(ROOT / "gridgen_sym").as_posix() for path in definition_files()
     }
     templates = {path for path in resource_folder("templates").rglob("*.jinja")}
     assert templates <= set(generator_files())
@@ -167,15 +173,26 @@ def test_reports_kernels_and_lists_are_derived_once(monkeypatch, capsys):
     assert everything() == first
 
 
-def test_the_report_of_a_wheel_is_the_committed_one(monkeypatch):
-    """There nothing changes after it was built; in a checkout the committed text may be older than the formulas."""
-    committed = (resource_folder("generated") / "docs" / "length.md").read_text(encoding="utf-8")
-    length, other = functional("length"), Functional("length", "g11**4 + J**2")
+def test_committed_equations_are_printed_unless_they_may_be_outdated(monkeypatch, tmp_path):
+    generated, length = tmp_path / "generated", functional("length")
+    (generated / "docs").mkdir(parents=True)
+    (generated / "docs" / "length.md").write_text(render_document(length, "committed\n").text)
+    monkeypatch.setattr(derivations, "resource_folder", lambda _: generated)
     monkeypatch.setattr(derivations, "report_text", lambda _: "derived now")
-    monkeypatch.setattr(derivations, "is_checkout", lambda: False)
-    assert render_document(length, derivations.known_report(length)).text == committed
-    assert derivations.known_report(other) == "derived now"
+    monkeypatch.setattr(derivations, "is_checkout", lambda: False)  # Nothing changes after a wheel was built.
+    assert derivations.known_report(length) == "committed\n"
+    assert derivations.known_report(Functional("length", "g11**4 + J**2")) == "derived now"
     monkeypatch.setattr(derivations, "is_checkout", lambda: True)
+    assert derivations.known_report(length) == "derived now"
+    monkeypatch.setattr(derivations, "is_newer", lambda _: False)
+    (generated / "derived_from.txt").write_text(derivations.state().text)
+    assert derivations.known_report(length) == "committed\n"
+    for forgotten in (derivations.definition_files, derivations.generator_files):  # As if one of these had changed.
+        with monkeypatch.context() as patch:
+            patch.setattr(derivations, forgotten.__name__, lambda: [])
+            assert derivations.known_report(length) == "derived now"
+    monkeypatch.setattr(derivations, "is_newer", lambda _: True)
+    assert derivations.state() is None
     assert derivations.known_report(length) == "derived now"
 
 
@@ -213,8 +230,8 @@ def program(*arguments, folder=None, cache):
 @pytest.mark.parametrize(
     "command",
     [
-        "derive length",
-        pytest.param("derive winslow --latex", marks=pytest.mark.slow),
+        "derive length --latex",
+        pytest.param("derive winslow", marks=pytest.mark.slow),
         pytest.param("functionals", marks=pytest.mark.slow),
     ],
 )
@@ -248,6 +265,7 @@ def test_generate_derives_only_what_has_changed(tmp_path, cache):
     printed, derived, _ = generate(text.replace("return m.g12**2 / 2", "return m.g12**2 / 3"))
     assert derived == {"orthogonality"}
     assert {line.rpartition("/")[2] for line in printed.splitlines()[:-1]} == {
-        f"orthogonality.{suffix}" for suffix in ("c", "py", "json", "md")
+        *(f"orthogonality.{suffix}" for suffix in ("c", "py", "json", "md")),
+        "derived_from.txt",
     }
     assert generate(text)[1] == set()
