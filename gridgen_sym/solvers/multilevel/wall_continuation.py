@@ -30,7 +30,7 @@ from .prolongation import coarse_start
 from .wall_prolongation import finer_grid
 
 #: How well the problems on the way are solved, in how many steps at most.
-_TOLERANCE, _STEPS = 1e-2, 30
+_TOLERANCE, _STEPS = 1e-1, 30
 #: The first, the least and the greatest step of t.
 _FIRST, _LEAST, _GREATEST = 1 / 8, 1 / 512, 1 / 4
 #: Heights are corrected so often at most, and not where they are wrong by no more than this part.
