@@ -99,7 +99,7 @@ def derived(definition):
         whole = almost_everywhere(matrix)
         result |= {f"{label}-{p[i]}-{p[j]}": whole[i, j] for i in range(4) for j in range(i, 4)}
     for variant in ("plain", *moving_variants(definition)):
-        tail = "" if variant == "plain" else f"-{variant}"
+        tail = "" if variant == "plain" else "-frozen" if variant == "frozen" else "-differentiated"
         equation = euler_lagrange(definition, variant)
         result |= {
             f"expanded-{r}{tail}": almost_everywhere(part) for r, part in zip("xy", equation.residual, strict=True)
@@ -147,6 +147,14 @@ def test_the_words_on_every_functional_are_latex(name):
     check(prose.joined([sentence(definition.description), *prose.fields(definition), prose.parameters(definition)]))
     references = "".join(f"% {line}\n" for one in references_of(definition) for line in one.bibtex().split("\n"))
     check(f"{references}{prose.source(definition)}")
+
+
+def test_formulas_in_a_description_are_formulas():
+    assert sentence("Half: (J² + g12²)/4 = g11 g22/4") == r"Half: $(J^2 + g_{12}^2)/4 = g_{11} g_{22}/4$."
+    assert sentence("Stretched by p(xi); J > 0.") == r"Stretched by p($\xi$); $J > 0$."
+    assert sentence("Where (as J) > 0 (or so), J**2") == "Where (as $J$) $>$ 0 (or so), $J^2$."
+    assert sentence("Just a model") == "Just a model."
+    assert sentence("") == ""
 
 
 def test_a_kink_is_reported():
