@@ -17,14 +17,13 @@ from ..messages import report
 from ..resources import is_checkout, resource_folder
 from .backend import Backend
 from .kept_texts import (
-    definition_files,
-    generator_files,
     is_newer,
     is_the_builtin,
     kept,
     key_of_contents,
     key_of_files,
     key_of_process,
+    report_files,
     texts_in,
 )
 from .source import Source
@@ -113,7 +112,7 @@ def state() -> Source | None:
 
     Nothing, if some of that has changed since this process began: what was derived may be older.
     """
-    files = (*generator_files(), *definition_files())
+    files = report_files()
     return None if any(map(is_newer, files)) else Source(_STATE, f"{key_of_contents(files)}\n")
 
 

@@ -64,6 +64,11 @@ def generator_files() -> list[Path]:
     return [*texts, _PACKAGE / "version.py"]
 
 
+def report_files() -> list[Path]:
+    """Return the files of all that reports on built-in functionals are derived from."""
+    return [path for part in ("functionals", "symbolic") for path in texts_in(_PACKAGE / part)]
+
+
 def definition_files() -> list[Path]:
     """Return the files in which built-in functionals are defined."""
     files = {sys.modules[functional.density.__module__].__file__ for functional in _builtins()}

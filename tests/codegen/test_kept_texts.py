@@ -15,7 +15,7 @@ import gridgen_sym
 from gridgen_sym import cache as cache_module
 from gridgen_sym.codegen import derivations, kept_texts
 from gridgen_sym.codegen.backend import find_backend
-from gridgen_sym.codegen.kept_texts import definition_files, generator_files, kept, key_of_files
+from gridgen_sym.codegen.kept_texts import definition_files, generator_files, kept, key_of_files, report_files
 from gridgen_sym.codegen.render import render_document
 from gridgen_sym.functionals import define, functional
 from gridgen_sym.functionals.definition import Functional
@@ -123,13 +123,22 @@ from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen import derivations
 from gridgen_sym.functionals import functional
 length = functional("length")
-derivations.report_text(length), derivations.report_latex(length), derivations.summary(length)
+derivations.report_text(length)
+print(*(module.__file__ for name, module in sys.modules.items() if name.startswith("gridgen_sym.")))
+derivations.report_latex(length), derivations.summary(length)
 for name in ("c", "numpy"):
     derivations.kernel_files(length, "frozen", find_backend(name))
 print(*(module.__file__ for name, module in sys.modules.items() if name.startswith("gridgen_sym.")))
 """
     told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
-    loaded = {Path(file).relative_to(ROOT / "gridgen_sym").as_posix() for file in told.stdout.split()}
+    reporting, loaded = (
+        {Path(file).relative_to(ROOT / "gridgen_sym").as_posix() for file in line.split()}
+        for line in told.stdout.splitlines()
+    )
+    report = {path.relative_to(ROOT / "gridgen_sym").as_posix() for path in report_files()}
+    assert {file for file in loaded if file.split("/")[0] in ("functionals", "symbolic")} <= report
+    keeping = {"__init__", "backend", "derivations", "facts", "kept_texts", "source", "version"}
+    assert {file for file in reporting if file.startswith("codegen/")} <= {f"codegen/{name}.py" for name in keeping}
     known = {
         path.relative_to(ROOT / "gridgen_sym").as_posix() for path in generator_files() if "templates" not in path.parts
     }
@@ -187,10 +196,10 @@ def test_committed_equations_are_printed_unless_they_may_be_outdated(monkeypatch
     monkeypatch.setattr(derivations, "is_newer", lambda _: False)
     (generated / "derived_from.txt").write_text(derivations.state().text)
     assert derivations.known_report(length) == "committed\n"
-    for forgotten in (derivations.definition_files, derivations.generator_files):  # As if one of these had changed.
-        with monkeypatch.context() as patch:
-            patch.setattr(derivations, forgotten.__name__, lambda: [])
-            assert derivations.known_report(length) == "derived now"
+    with monkeypatch.context() as patch:  # As if one file had changed.
+        files = derivations.report_files()
+        patch.setattr(derivations, "report_files", lambda: files[1:])
+        assert derivations.known_report(length) == "derived now"
     monkeypatch.setattr(derivations, "is_newer", lambda _: True)
     assert derivations.state() is None
     assert derivations.known_report(length) == "derived now"
