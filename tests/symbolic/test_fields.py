@@ -213,10 +213,9 @@ def test_residual_is_the_functional_derivative_of_the_bare_density(name):
     solved = mpmath.matrix([found["r_x"], found["r_y"]])
     reduction = euler_lagrange(functional, variant).reduction
     if reduction:
-        entries = [
-            expand_metric(entry).subs({str(k): v for k, v in values.items()}) for entry in reduction.operator.matrix
-        ]
-        solved = mpmath.matrix([[mpf(entries[0]), mpf(entries[1])], [mpf(entries[2]), mpf(entries[3])]]) * solved
+        matrix = reduction.operator.matrix.applyfunc(expand_metric)
+        names = sorted(matrix.free_symbols, key=str)
+        solved = sympy.lambdify(names, matrix, "mpmath")(*(values[str(name)] for name in names)) * solved
     for mine, expected in zip(solved, functional_derivative(formula), strict=True):
         assert close(mine, expected, SAME)
         assert abs(expected) > 1e-3  # A flipped sign would be seen.
