@@ -7,12 +7,12 @@ import pytest
 
 import gridgen_sym as gg
 
-#: One of each family with a barrier: a metric of a target, one of its components, a monitor, two branches.
+#: One of each family with a barrier: a metric of a target, one of its components, a monitor, a material.
 WITH_BARRIER = {
     "tmop_80": {},
     "tmop_98": {},
     "dvinsky": {"fields": {"M": ("1 + x**2", "0.2*x", "1 + 0.5*y**2")}},
-    "knupp_size": {},
+    "garanzha": {},
 }
 
 

@@ -16,6 +16,7 @@ from gridgen_sym.functionals import functional, is_builtin
 from gridgen_sym.functionals.bibliography import REFERENCES, short
 from gridgen_sym.functionals.check import check_density
 from gridgen_sym.functionals.registry import literature, literature_sources
+from gridgen_sym.selfcheck import checks
 
 IDENTITY, E1, E2 = np.eye(2), np.array([1.0, 0.0]), np.array([0.0, 1.0])
 #: Jacobian matrices with positive determinant, of all sizes.
@@ -195,6 +196,11 @@ def test_control_functions_directions_and_references():
         assert equal == pytest.approx(
             0.2 * value("length", a) + 0.5 * value("area", a) + 0.3 * value("orthogonality", a)
         )
+
+
+@pytest.mark.slow
+def test_the_check_of_one_with_two_branches_passes():
+    assert [one.text for one in checks(functional("knupp_size")) if not one.passed] == []
 
 
 # ---- the registry ----
