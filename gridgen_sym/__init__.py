@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from .solvers import Status as Status
     from .solvers import Step as Step
     from .solvers import StopReason as StopReason
+    from .solvers import airfoil_grid as airfoil_grid
     from .solvers import energy as energy
     from .solvers import gradient as gradient
     from .solvers import hessian as hessian
@@ -105,7 +106,7 @@ _PACKAGES = {
     "grids": "Deviation Grid Quality SideQuality corner_jacobians quality transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",
     "solvers": (
-        "ContinuationResult Result Status Step StopReason continuation energy gradient hessian optimize "
+        "ContinuationResult Result Status Step StopReason airfoil_grid continuation energy gradient hessian optimize "
         "solve_euler_lagrange untangle"
     ),
 }

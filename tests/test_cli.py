@@ -292,7 +292,7 @@ def test_quality_exits_with_1_where_a_cell_is_folded():
     assert "there is no such file" in run("quality", "no.vts", code=2)
 
 
-@pytest.mark.parametrize("suffix", [".vts", ".xyz", ".csv", ".npz", ".cgns"])
+@pytest.mark.parametrize("suffix", [".vts", ".xyz", ".p2dfmt", ".csv", ".npz", ".cgns"])
 def test_what_grid_writes_is_measured_by_quality(suffix):
     if suffix == ".cgns":
         pytest.importorskip("h5py")

@@ -10,6 +10,7 @@ import click
 
 from ..version import __version__
 from .adaptation import adapt
+from .airfoil import airfoil
 from .base import Program, functionals_option
 from .formulas import check, derive, docs, functionals, verify
 from .generate import generate
@@ -29,5 +30,6 @@ def main() -> None:
     """  # noqa: D301 - click reads the backspace: keep the lines
 
 
-for _command in (grid, adapt, quality, domains, functionals, derive, docs, check, verify, generate, info, paper):
+_commands = grid, airfoil, adapt, quality, domains, functionals, derive, docs, check, verify, generate, info, paper
+for _command in _commands:
     main.add_command(_command)

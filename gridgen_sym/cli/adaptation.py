@@ -45,7 +45,7 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
 )
 @start_options
 @click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid is returned.")
-@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv, .npz or .cgns.")
+@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @functionals_option

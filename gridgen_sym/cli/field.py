@@ -25,8 +25,8 @@ _FIELD = (
     "p:logical='1 + xi'"
 )
 _TARGET = (
-    "--target takes a grid file (.vts, .xyz, .csv, .npz or .cgns), or formulas in xi and eta: 'w1, w2' or 'w1, w2, "
-    "angle'"
+    "--target takes a grid file (.vts, .xyz, .p2dfmt, .csv, .npz or .cgns), or formulas in xi and eta: "
+    "'w1, w2' or 'w1, w2, angle'"
 )
 
 

@@ -35,7 +35,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     help="newton and local minimize the discrete energy; euler-lagrange and relaxation solve its equations.",
 )
 @start_options
-@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .csv, .npz or .cgns.")
+@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
 @click.option(
     "--weight",

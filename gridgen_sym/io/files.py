@@ -25,6 +25,7 @@ class _Format:
 _FORMATS = {
     ".vts": _Format("VTK XML structured grid", vtk.decode, vtk.encode),
     ".xyz": _Format("PLOT3D grid", plot3d.decode, plot3d.encode),
+    ".p2dfmt": _Format("PLOT3D plane grid", plot3d.decode, plot3d.encode_plane),
     ".csv": _Format("table of nodes", tables.decode_csv, tables.encode_csv),
     ".npz": _Format("NumPy archive", npz.decode, npz.encode),
     ".cgns": _Format("CGNS file", cgns.decode, cgns.encode),
@@ -40,9 +41,9 @@ def read(path: str | os.PathLike[str]) -> Grid:
     """Read a grid, from the kind of file that the suffix names.
 
     Args:
-        path: ends in ``.vts`` (VTK XML structured grid), ``.xyz`` (PLOT3D, ASCII), ``.csv`` (columns i, j, x,
-            y), ``.npz`` (NumPy archive with an array ``xy``, or ``x`` and ``y``) or ``.cgns`` (CGNS on HDF5). Upper and
-            lower case are alike.
+        path: ends in ``.vts`` (VTK XML structured grid), ``.xyz`` (PLOT3D, ASCII), ``.p2dfmt`` (the same
+            without z), ``.csv`` (columns i, j, x, y), ``.npz`` (NumPy archive with an array ``xy``, or ``x`` and ``y``)
+            or ``.cgns`` (CGNS on HDF5). Upper and lower case are alike.
 
     Raises:
         GridgenError: for an unknown suffix, a file that is missing, empty, cut short or not of its kind, or

@@ -1,8 +1,9 @@
-"""PLOT3D grid files (.xyz), ASCII and whole.
+"""PLOT3D grid files (.xyz, .p2dfmt), ASCII and whole.
 
 Written: the multi-block, three-dimensional form with one block and one k plane, which most programs take:
-the line ``1``, the line ``ni nj 1``, then all x, all y and all z (zeros), i running fastest. Read: also
-without the block count, two-dimensional (no z), and with iblank after the coordinates where no node is blanked out.
+the line ``1``, the line ``ni nj 1``, then all x, all y and all z (zeros), i running fastest; to
+``.p2dfmt``, the suffix of NASA's plane grids, the two-dimensional one: ``ni nj``, and no z. Read: both, also
+without the block count, and with iblank after the coordinates where no node is blanked out.
 VTK and ParaView cannot distinguish these forms in ASCII: switch 'Multi Grid' on there.
 Source: P. P. Walatka et al., PLOT3D User's Manual, NASA TM-101067 (1990), chapter 8.
 """
@@ -35,6 +36,14 @@ def encode(grid: Grid) -> bytes:
     values = np.concatenate((grid.x.T.ravel(), grid.y.T.ravel(), np.zeros(ni * nj)))
     body = ("%.17g\n" * values.size) % tuple(values.tolist())
     return f"1\n{ni} {nj} 1\n{body}".encode("ascii")
+
+
+def encode_plane(grid: Grid) -> bytes:
+    """Return the grid as a PLOT3D file: multi-block, two-dimensional, ASCII."""
+    ni, nj = grid.shape
+    values = np.concatenate((grid.x.T.ravel(), grid.y.T.ravel()))
+    body = ("%.17g\n" * values.size) % tuple(values.tolist())
+    return f"1\n{ni} {nj}\n{body}".encode("ascii")
 
 
 def decode(data: bytes) -> Grid:

@@ -5,6 +5,7 @@ equations; `multilevel` gives them their starts, `untangling` makes these valid,
 systems. `run` holds what all share: deadline, progress, result.
 """
 
+from .airfoil import airfoil_grid as airfoil_grid
 from .continuation import ContinuationResult as ContinuationResult
 from .continuation import continuation as continuation
 from .equations.euler_lagrange import solve_euler_lagrange as solve_euler_lagrange

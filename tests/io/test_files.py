@@ -30,6 +30,7 @@ DATA = Path(__file__).parent / "data"
 CODECS = {
     ".vts": (vtk.encode, vtk.decode),
     ".xyz": (plot3d.encode, plot3d.decode),
+    ".p2dfmt": (plot3d.encode_plane, plot3d.decode),
     ".csv": (tables.encode_csv, tables.decode_csv),
     ".npz": (npz.encode, npz.decode),
 }
