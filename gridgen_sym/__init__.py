@@ -68,8 +68,10 @@ if TYPE_CHECKING:
     from .functionals import define as define
     from .functionals import functional as functional
     from .functionals import functionals as functionals
+    from .grids import Change as Change
     from .grids import Deviation as Deviation
     from .grids import Grid as Grid
+    from .grids import Measures as Measures
     from .grids import Quality as Quality
     from .grids import SideQuality as SideQuality
     from .grids import corner_jacobians as corner_jacobians
@@ -103,7 +105,7 @@ _PACKAGES = {
     "codegen.backend": "Backend register_backend",
     "fields": "Field SampledField Target Weight raster_field scattered_field",
     "functionals": "Functional define functional functionals",
-    "grids": "Deviation Grid Quality SideQuality corner_jacobians quality transfinite",
+    "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians quality transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",
     "solvers": (
         "ContinuationResult Result Status Step StopReason airfoil_grid continuation energy gradient hessian optimize "

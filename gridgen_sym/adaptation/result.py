@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ..arrays import Array
 from ..fields.sampled import grid_field
-from ..grids import Grid, Quality, quality
+from ..grids import Change, Grid, Measures, Quality, quality
 from ..solvers.run.status import Status, StopReason
 from .equidistribution import Equidistribution, equidistribution
 
@@ -86,6 +86,11 @@ class AdaptResult:
         return len(self.history) - 1
 
     @property
+    def change(self) -> Change:
+        """Some measures of the start and of the grid; the message has one sentence on what of them is worse."""
+        return change_of(self.start, self.grid)
+
+    @property
     def quality(self) -> Quality:
         """The quality measures of the grid."""
         return quality(self.grid)
@@ -94,3 +99,8 @@ class AdaptResult:
         """Say in one line how it ended."""
         state = "converged" if self.converged else "NOT converged"
         return f"{state} after {self.iterations} steps: {self.message}"
+
+
+def change_of(start: Grid, grid: Grid) -> Change:
+    """Return what adaptation has made of the measures of a start; it is asked to change the sizes of cells."""
+    return Change(Measures.of(start), Measures.of(grid), sizes_asked=True)

@@ -17,7 +17,7 @@ from .equidistribution import cell_areas, cell_means, variation
 from .error_estimate import hierarchical_error
 from .monitor import Monitor
 from .mover import Mover, movement
-from .result import AdaptResult, AdaptStep
+from .result import AdaptResult, AdaptStep, change_of
 from .source import Source
 
 #: Monitors to be tried where another one made the grid worse.
@@ -153,6 +153,7 @@ class Run:
             message += f" The estimated error of interpolation was {first:.2e}, now it is {last:.2e}."
         if np.ptp(self.values) == 0:
             message += f" The solution is {self.values[0, 0]:g} at every node: there is nothing to adapt to."
+        message = f"{message} {change_of(self.start, self.grid).warning}".rstrip()
         return AdaptResult(
             grid=self.grid,
             values=self.values,

@@ -98,6 +98,10 @@ class Wall:
         return index, np.broadcast_to(given, index.shape)
 
 
+#: Nothing is asked of any side.
+NO_WALLS: Sides[Wall | None] = Sides(None, None, None, None)
+
+
 def walls_by_side(walls: object) -> Sides[Wall | None]:
     """Return the walls of all sides.
 
@@ -115,6 +119,17 @@ def walls_by_side(walls: object) -> Sides[Wall | None]:
         if not isinstance(wall, Wall):
             raise GridgenError(f"the wall of the side {side} must be a Wall, such as Wall(1e-5); came {quoted(wall)}")
     return Sides(*(walls.get(side) for side in Sides._fields))
+
+
+def asked_heights(walls: Sides[Wall | None], shape: tuple[int, int]) -> dict[str, Array]:
+    """Return the first heights that walls ask for, by side: one per node of the side, NaN where none is asked for."""
+    asked = {}
+    for side, wall, count in zip(Sides._fields, walls, (*shape, *shape), strict=True):
+        if wall is not None:
+            asked[side] = np.full(count, np.nan)
+            index, first = wall.along(wall.first, count, "first")
+            asked[side][index] = first
+    return asked
 
 
 def first_height(reynolds: float, yplus: float = 1.0, length: float = 1.0) -> float:

@@ -105,3 +105,5 @@ def _report(result: AdaptResult, quiet: bool) -> None:
     report(quiet, f"density times area, at the start: {result.before.weight}")
     report(quiet, f"density times area, now:          {result.after.weight}")
     report(quiet, result.quality.summary())
+    if result.change.before.valid:
+        report(quiet, result.change.summary())

@@ -178,6 +178,8 @@ def _report(result: Result, quiet: bool) -> None:
     else:
         click.secho(f"not converged in {result.iterations} iterations: {result.message}", fg="yellow", err=True)
     report(quiet, result.quality.summary())
+    if result.change is not None and result.change.before.valid:
+        report(quiet, result.change.summary())
     if quiet and not result.quality.valid:
         click.secho(result.quality.describe_folds(), fg="red", err=True)
 

@@ -1,5 +1,7 @@
 """Grids on the ground: a block of nodes, its quality, and transfinite interpolation."""
 
+from .change import Change as Change
+from .change import Measures as Measures
 from .grid import Grid as Grid
 from .grid import boundary_indices as boundary_indices
 from .grid import corner_jacobians as corner_jacobians

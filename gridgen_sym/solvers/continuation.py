@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import GridgenError, quoted
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
-from ..grids import Grid
+from ..grids import Change, Grid
 from .optimize import optimize
 from .run.checks import check_controls
 from .run.deadline import Deadline, StopRequest
@@ -90,8 +90,11 @@ def continuation(
     done: list[tuple[float, Result]] = []
 
     def ended(kept: Result, status: Status, message: str) -> ContinuationResult:
+        change = _since(done[0][1], kept)
+        if change is not None:
+            message = f"{message} {change.warning}".rstrip()
         own = {field.name: getattr(kept, field.name) for field in fields(Result)}
-        own |= {"status": status, "message": message, "converged": status is Status.CONVERGED}
+        own |= {"status": status, "message": message, "converged": status is Status.CONVERGED, "change": change}
         return ContinuationResult(**own, parameter=parameter, steps=tuple(done))
 
     with LiveLine(f"{definition.name}, {parameter}", progress) as line:
@@ -112,7 +115,7 @@ def continuation(
                 **options,
             )
             done.append((value, result))
-            message = f"{parameter} = {value:g}: {result.message}"
+            message = f"{parameter} = {value:g}: {_without_warning(result)}"
             folds = last is not None and last.quality.valid and not result.quality.valid
             if last is not None and folds and options.get("keep_valid") is not False:
                 return ended(last, Status.FOLDED, f"{message} It would fold a valid grid, which is returned as it was.")
@@ -121,6 +124,18 @@ def continuation(
             if result.interrupted or result.status in _FAILURES:
                 break
     return ended(result, result.status, message)
+
+
+def _since(first: Result, last: Result) -> Change | None:
+    """Return the change from the start of one result to the grid of a later one."""
+    if first.change is None or last.change is None:
+        return None
+    return replace(last.change, before=first.change.before)
+
+
+def _without_warning(result: Result) -> str:
+    """Return the message of a step without what it says of the step before."""
+    return result.message.removesuffix(result.change.warning).rstrip() if result.change else result.message
 
 
 def _shown(line: LiveLine, head: str, callback: Callback | None) -> Callback:

@@ -9,9 +9,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..boundary.predicates import area_sign
+from ..boundary.sides import Sides
+from ..boundary.wall import NO_WALLS, Wall, asked_heights
 from ..certificates import Certificate, certificates
 from ..functionals.definition import Functional
-from ..grids import Grid, corner_jacobians, folded_corners, quality
+from ..grids import Change, Grid, Measures, corner_jacobians, folded_corners, quality
 from ..grids.grid import boundary_indices
 from .differentiability import missing_derivative
 from .multilevel.nested import Nested, worth_nesting
@@ -33,6 +35,8 @@ class Run:
         parameters: of the functional.
         coordinates: (2, ni, nj).
         report: receives every step.
+        start: the grid that was given.
+        walls: what was asked of the four sides.
         reference: norm of the gradient at the start that was given, from which it must fall; None where that
             start was on the wrong side of the barrier.
         said: what to report before the solver's own message; None for how a folded start became valid.
@@ -49,6 +53,8 @@ class Run:
     parameters: Mapping[str, float] | None
     coordinates: Array
     report: Progress
+    start: Grid
+    walls: Sides[Wall | None] = NO_WALLS
     reference: float | None = None
     said: str | None = None
     untangled_by: str = ""
@@ -176,18 +182,27 @@ class Run:
                 message += (
                     f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}".rstrip()
                 )
+        change = self._change(grid)
+        remarks = self.problem.caution(self.coordinates) + self.remark + f" {change.warning}".rstrip()
         return Result(
             grid=grid,
             converged=outcome.converged,
             status=status,
-            message=(message + self.problem.caution(self.coordinates) + self.remark).strip(),
+            message=(message + remarks).strip(),
             iterations=max(len(self.report.history) - 1, 0),
             energy=energy,
             history=tuple(self.report.history),
             certificates=proofs,
             untangled_by=self.untangled_by,
             logical_area=self.problem.logical_area,
+            change=change,
         )
+
+    def _change(self, grid: Grid) -> Change:
+        """Return the measures of the start and of the grid that it became."""
+        asked = asked_heights(self.walls, grid.shape)
+        sizes_asked = self.problem.inputs is not None and not asked
+        return Change(Measures.of(self.start, asked), Measures.of(grid, asked), sizes_asked)
 
 
 #: The message where neither a valid grid nor a proof is found.

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy.typing as npt
 
-from ..boundary.wall import Wall, walls_by_side
+from ..boundary.wall import NO_WALLS, Wall, walls_by_side
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..fields.target import Target
@@ -143,7 +143,7 @@ def optimize(
         if problem.slide is not None:
             problem.retract(start)
             start = move_sides(grid.planes, start)
-        run = Run(problem, make, definition, parameters, start, report)
+        run = Run(problem, make, definition, parameters, start, report, grid, sides or NO_WALLS)
 
         def solve() -> Outcome:
             nonlocal sides
@@ -222,7 +222,7 @@ def untangle(
             f"untangling needs a functional with a barrier at J = 0, such as winslow; {definition.name!r} has none"
         )
     with Progress(f"{definition.name}, untangle", callback, progress, deadline) as report:
-        run = Run(problem, make, definition, parameters, grid.planes.copy(), report)
+        run = Run(problem, make, definition, parameters, grid.planes.copy(), report, grid)
 
         def solve() -> Outcome:
             if run.to_untangle:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support import NO_SHARED, SHARED
 
+import gridgen_sym as gg
 from gridgen_sym.boundary.corners import settled_corners
 
 
@@ -80,3 +82,19 @@ def test_turns_are_seen_over_the_length_of_a_cell(nodes, moved):
     """Of twenty points each turns by 18 degrees, which is straight; over two of them it is 36, and convex."""
     circle = polygon(*[18.2, 17.8] * 10)
     assert settled({(1, 6): 200.0}, (0, 6, 12, 16), circle, nodes)[1] == moved
+
+
+OUTLINES = sorted(path.stem for path in (SHARED / "domains" / "outlines").glob("*.csv") if path.stem != "index")
+
+
+@pytest.mark.parametrize("cells", [(40, 40), (60, 40)])
+@pytest.mark.parametrize("name", OUTLINES or ["none"])
+def test_the_automatic_choice_is_never_proved_impossible(name, cells):
+    path = SHARED / "domains" / "outlines" / f"{name}.csv"
+    if not path.exists():
+        pytest.skip(NO_SHARED.format(path.name))
+    nodes = (cells[0] + 1, cells[1] + 1)
+    outline = gg.Outline.read(path)
+    choice = outline.choose_corners(*nodes, corners="auto")
+    assert max(choice.angles) < STRAIGHT
+    assert [f.message for f in gg.certificates(outline.grid(*nodes, corners="auto")) if f.impossible] == []

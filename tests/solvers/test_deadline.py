@@ -128,7 +128,7 @@ def test_every_linear_system_of_a_step_asks():
 
 def test_every_damped_step_of_the_equations_asks():
     start, deadline = gg.domain("wavy", 9, 9), Ends(3)
-    equations = Equations(make_problem(start, "winslow"), (1.0, 1.0))
+    equations = Equations(make_problem(start, "winslow"))
     residual = equations.residual(start.planes)
     with pytest.raises(StopRequest):
         equations_newton._reduce(equations, None, start.planes, residual, 1.0, np.inf, deadline)

@@ -56,7 +56,9 @@ def folds(planes):
 def test_the_better_of_two_starts_is_taken(name, present, offered, better):
     definition = functional(name)
     problem = make_problem(gg.Grid.from_planes(*present), name, weight=WEIGHT)
-    run = Run(problem, lambda grid: problem, definition, None, present.copy(), Progress("test"))
+    run = Run(
+        problem, lambda grid: problem, definition, None, present.copy(), Progress("test"), gg.Grid.from_planes(*present)
+    )
     run.take(offered.copy())
     taken = offered if better else present
     np.testing.assert_array_equal(run.coordinates, taken)

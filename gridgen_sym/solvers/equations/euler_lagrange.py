@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from ...boundary.wall import Wall
+from ...boundary.wall import NO_WALLS, Wall, walls_by_side
 from ...deprecation import renamed_arguments
 from ...errors import GridgenError, quoted
 from ...fields.target import Target
@@ -134,7 +134,8 @@ def solve_euler_lagrange(
     limit = _LIMITS[method] if max_iterations is None else max_iterations
     title = f"Euler–Lagrange equations of {definition.name}"
     with Progress(title, callback, progress, Deadline(time_limit)) as report:
-        run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report)
+        sides = NO_WALLS if walls is None else walls_by_side(walls)
+        run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report, grid, sides)
         equations = Equations(run.problem, _controlled(control, grid, run.problem, definition, parameters))
 
         def solve() -> Outcome:

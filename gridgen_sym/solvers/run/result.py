@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...certificates import Certificate
-from ...grids import Grid, Quality, quality
+from ...grids import Change, Grid, Quality, quality
 from .status import Status, StopReason
 
 
@@ -50,6 +50,8 @@ class Result:
             result is folded.
         logical_area: of the rectangle that the grid is a map of: 1 for the unit square, the number of cells with
             `spacing="index"`.
+        change: some measures of the start and of `grid`; the message has one sentence on what of them is worse. Every
+            solver gives it; None in a result made otherwise.
     """
 
     grid: Grid
@@ -62,6 +64,7 @@ class Result:
     certificates: tuple[Certificate, ...] = ()
     untangled_by: str = ""
     logical_area: float = 1.0
+    change: Change | None = None
 
     @property
     def stopped_by(self) -> StopReason | None:
