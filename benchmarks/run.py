@@ -17,7 +17,7 @@ PARTS = ("start", "kernels", "solver", "full-approximation", "peers")
 _HEAD = """# Benchmarks
 
 Written by `python benchmarks/run.py{flags}`; [benchmarks/README.md](../benchmarks/README.md)
-says what is measured and how.
+says what is measured and how. Grids with walls have [a page of their own](benchmarks_walls.md).
 
 {facts}
 

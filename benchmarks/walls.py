@@ -1,6 +1,6 @@
 """Grids with walls from boundaries of NASA's grids: heights, angles, folds, and cost in kernel passes.
 
-    python benchmarks/walls.py [--refine 1 2 4 8 16] [--threads 1] [FOLDER]
+    OMP_NUM_THREADS=1 python benchmarks/walls.py [FOLDER] [--refine 1 2 4 8 16]
 
 The boundary nodes and the first heights at eta = 0 are those of the file; the start is transfinite interpolation. A
 refined boundary has its nodes on cubic splines through those of the file, and heights divided accordingly. The unit of

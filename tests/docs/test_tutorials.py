@@ -16,7 +16,10 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "tutorials"
 TUTORIALS = [
     *sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md"),
-    *(ROOT / "docs" / name for name in ("index.md", "explanations/certificates.md", "explanations/solvers.md")),
+    *(
+        ROOT / "docs" / name
+        for name in ("index.md", "explanations/certificates.md", "explanations/solvers.md", "reference/walls.md")
+    ),
 ]
 BLOCK = re.compile(
     r"(?P<place><!-- in: repository -->\n)?"
