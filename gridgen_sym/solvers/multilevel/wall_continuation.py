@@ -31,6 +31,8 @@ from .wall_prolongation import finer_grid
 
 #: How well the problems on the way are solved, in how many steps at most.
 _TOLERANCE, _STEPS = 1e-1, 30
+#: The same of the grid whose heights are measured first: corrections are for those of the minimum.
+_MEASURED = 1e-2
 #: The first, the least and the greatest step of t.
 _FIRST, _LEAST, _GREATEST = 1 / 8, 1 / 512, 1 / 4
 #: Heights are corrected so often at most, and not where they are wrong by no more than this part.
@@ -100,6 +102,7 @@ class WallContinuation:
         if self.found is None or self.found[0].shape != coordinates.shape or self.reached < 1:
             return
         home = coordinates.shape[1], coordinates.shape[2]
+        self._minimized(self._problem(*self.found), self.found[0], _MEASURED)
         for _ in range(_CORRECTIONS):
             place = self.found[0].copy()
             walls, wrong = corrected(self.walls, asked, place)
@@ -156,11 +159,11 @@ class WallContinuation:
                 break
         return place
 
-    def _minimized(self, problem: Problem, place: Array) -> Outcome:
+    def _minimized(self, problem: Problem, place: Array, tolerance: float = _TOLERANCE) -> Outcome:
         """Minimize roughly, in place."""
         self.report.begin("walls", problem.fixed.shape)
         problem.measure_locally(place)
-        return minimize(problem, place, self.report, tolerance=_TOLERANCE, max_iterations=_STEPS, keep_valid=True)
+        return minimize(problem, place, self.report, tolerance=tolerance, max_iterations=_STEPS, keep_valid=True)
 
 
 def between(own: tuple[Array, Array, Array], cells: WallCells, t: float) -> WallCells:
