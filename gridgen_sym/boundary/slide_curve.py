@@ -46,10 +46,17 @@ class SlideCurve:
         from scipy.interpolate import CubicSpline, make_interp_spline
 
         line = real_array(points, "the curve of a side")
-        arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
-        if line.ndim != 2 or line.shape[1] != 2 or len(line) < 2 or not (np.diff(arc) > 0).all():
+        if line.ndim != 2 or line.shape[1] != 2 or len(line) < 2:
             raise GridgenError(
                 f"the curve of a side must be at least two different points (n, 2); came an array of shape {line.shape}"
+            )
+        arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+        bad = np.flatnonzero(~(np.diff(arc) > 0))
+        if len(bad):
+            k = int(bad[0])
+            raise GridgenError(
+                "the points of the curve of a side must be finite, and each different from the one before; points "
+                f"{k} and {k + 1} are {line[k].tolist()} and {line[k + 1].tolist()}: leave out what is repeated"
             )
         arc /= arc[-1]
         sharp = np.concatenate(([0], 1 + np.flatnonzero(_turns(line) > _SHARP), [len(line) - 1]))
@@ -82,6 +89,8 @@ class SlideCurve:
                     f"the curve of a side must return points of shape ({len(t)}, 2) for {len(t)} parameters; came "
                     f"{found.shape}"
                 )
+            if not np.isfinite(found).all():
+                raise GridgenError("the curve of a side must be finite for all t from 0 to 1, and a little beyond")
             return found
 
         def difference(weights: tuple[tuple[int, float], ...], order: int) -> Callable[[Array], Array]:

@@ -11,10 +11,13 @@ import numpy.typing as npt
 
 from ..arrays import Array, real_array
 from ..errors import GridgenError, quoted
+from ..grids import Grid
 from .laws import geometric, growing, hyperbolic_sine, hyperbolic_tangent
 from .sides import Sides
 
 Law = Literal["geometric", "tanh", "sinh"]
+#: Heights have this many rounding errors of the coordinates at least.
+_REPRESENTED = 16.0
 _LAWS = {"geometric": geometric, "tanh": hyperbolic_tangent, "sinh": hyperbolic_sine}
 
 
@@ -66,8 +69,13 @@ class Wall:
             raise GridgenError(
                 "layers and share of the wall belong to a growth: give growth, such as 1.2, or drop them"
             )
-        if self.share is not None and not 0 < self.share <= 1:
+        if self.share is not None and not (_is_number(self.share) and 0 < self.share <= 1):
             raise GridgenError(f"share of the wall must be between 0 and 1; came {quoted(self.share)}")
+        if self.layers is not None and not (_is_whole(self.layers) and self.layers >= 0):
+            raise GridgenError(f"layers of the wall must be a whole number of cells; came {quoted(self.layers)}")
+        pair = isinstance(self.nodes, (tuple, list)) and len(self.nodes) == 2 and all(map(_is_whole, self.nodes))
+        if self.nodes is not None and not pair:
+            raise GridgenError(f"nodes of the wall must be two numbers of nodes; came {quoted(self.nodes)}")
 
     def kept_layers(self, cells: int) -> int | None:
         """Return how many cells grow by `growth` at least, of so many; None for the default."""
@@ -96,6 +104,14 @@ class Wall:
                 f"came {given.shape}"
             )
         return index, np.broadcast_to(given, index.shape)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
 #: Nothing is asked of any side.
@@ -130,6 +146,17 @@ def asked_heights(walls: Sides[Wall | None], shape: tuple[int, int]) -> dict[str
             index, first = wall.along(wall.first, count, "first")
             asked[side][index] = first
     return asked
+
+
+def check_heights(walls: Sides[Wall | None], grid: Grid) -> None:
+    """Raise a `GridgenError` where first heights are below the rounding errors of a grid's coordinates."""
+    least = _REPRESENTED * float(np.finfo(float).eps) * float(np.abs(grid.planes).max())
+    for side, wall in zip(Sides._fields, walls, strict=True):
+        if wall is not None and float(np.min(wall.first)) < least:
+            raise GridgenError(
+                f"first of the wall at {side} is {float(np.min(wall.first)):.3g}, but coordinates of this size are "
+                f"rounded: take at least {least:.2g}, or move the grid to the origin"
+            )
 
 
 def first_height(reynolds: float, yplus: float = 1.0, length: float = 1.0) -> float:

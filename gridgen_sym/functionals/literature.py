@@ -21,6 +21,14 @@ def brackbill_saltzman(m: Metric, k_A: float = 1.0, k_O: float = 1.0) -> Formula
     return (m.g11 + m.g22) / m.J + k_A * m.s * m.J**2 + k_O * m.g12**2
 
 
+@literature("knupp2001", constraints=("k > 0",))
+def near_orthogonal(m: Metric, k: float = 0.01) -> Formula:
+    """Right angles with a barrier, whatever the aspect ratio: 1/sin² - 1, plus k times what makes cells square."""
+    # 1/sin² = g11 g22/J² = 1 + (g12/J)² says nothing of lengths: alone it has many minima. K² = (g11 + g22)²/J² is
+    # 4 + 4 (g12/J)² + ((g11 - g22)/J)²: so k = 1 is K²/4 - 1, modified_liao, whose second part is weighed down here.
+    return (m.g12**2 + k * (m.g11 - m.g22) ** 2 / 4) / m.J**2
+
+
 @literature("brackbill1993", constraints=("k >= 0",), fields={"B": "vector"})
 def brackbill_direction(m: Metric, k: float = 1.0) -> Formula:
     """Directional control: `winslow` with lines of constant xi along the vector field B."""

@@ -17,6 +17,8 @@ _WORSE = 2.0
 _FEW_DEGREES = 5.0
 #: First heights at a side that is no wall are reported where they are this many times those of the start.
 _LOST = 10.0
+#: Heights at a wall that are off by more than this factor are reported.
+_UNMET = 1.2
 #: So many rows of cells are measured at a time: their arrays stay in the cache.
 _ROWS = 32
 
@@ -103,8 +105,13 @@ class Change:
 
     @property
     def warning(self) -> str:
-        """One sentence on what is worse; empty where nothing is."""
-        return f"Worse than the start: {'; '.join(self.worse)}." if self.worse else ""
+        """One sentence on what is worse, and one on walls whose heights are not those asked for; mostly empty."""
+        sentences = [f"Worse than the start: {'; '.join(self.worse)}."] if self.worse else []
+        off = {side: factor for side, factor in self.after.wall_factors.items() if factor > _UNMET}
+        if off:
+            factors = ", ".join(f"{factor:.3g} at {side}" for side, factor in off.items())
+            sentences.append(f"First heights differ from those asked for by a factor of {factors}.")
+        return " ".join(sentences)
 
     def summary(self) -> str:
         """Return the measures before and after, in one line."""

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ..arrays import Array, Mask
 from ..boundary.sides import Sides
-from ..boundary.wall import Wall, walls_by_side
+from ..boundary.wall import Wall, check_heights, walls_by_side
 from ..errors import GridgenError, UnusableValueError
 from ..fields.inputs import DensityInputs, density_inputs
 from ..fields.target import Target, as_target
@@ -258,6 +258,7 @@ def _target_of(
     if target is not None:
         raise GridgenError("walls become a target: give walls or a target, not both")
     sides = walls if isinstance(walls, Sides) else walls_by_side(walls)
+    check_heights(sides, grid)
     return Target.of_cells(wall_cells(sides, grid.planes, home))
 
 

@@ -53,7 +53,11 @@ def test_walls_are_compared_with_what_they_ask_for():
     asked["bottom"][:5] = np.nan
     found = [Measures.of(clustered(first), asked) for first in (1e-3, 1.5e-3, 4e-3)]
     assert [m.wall_factors["bottom"] for m in found] == pytest.approx([1, 1.5, 4])
-    assert gg.Change(found[0], found[1]).warning == ""
+    assert gg.Change(found[0], found[0]).warning == ""
+    assert gg.Change(found[0], found[1]).worse == ()
+    assert gg.Change(found[0], found[1]).warning == (
+        "First heights differ from those asked for by a factor of 1.5 at bottom."
+    )
     told = "the factor between the first heights at bottom and those asked for from 1 to 4"
     assert told in gg.Change(found[0], found[2]).warning
     assert gg.Change(found[2], found[0]).warning == ""

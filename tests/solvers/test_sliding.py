@@ -153,6 +153,10 @@ def test_points_have_corners_at_sharp_turns():
         ({"left": 3}, "the curve of a side must be points"),
         ({"left": [[0, 0]]}, "at least two different points"),
         ({"left": lambda t: t}, r"must return points of shape \(2001, 2\)"),
+        ({"left": [[0, 1], [0, 1.5], [0, 1.5], [0, 2]]}, r"points 1 and 2 are \[0.0, 1.5\] and \[0.0, 1.5\]"),
+        ({"left": [[0, 1], [0, np.nan], [0, 2]]}, "must be finite, and each different"),
+        ({"left": lambda t: np.full((len(t), 2), np.nan)}, "must be finite for all t from 0 to 1"),
+        ([["left"]], r"unknown side \['left'\] in slide"),
         ({"left": [[0, 1], [-1, 1.5], [0, 2]]}, "the nodes of the side left must lie on its curve"),
     ],
 )
@@ -164,3 +168,13 @@ def test_what_cannot_slide_is_refused(slide, match):
 def test_the_paper_s_local_method_does_not_slide():
     with pytest.raises(gg.GridgenError, match="nodes slide by Newton's method only"):
         gg.optimize(uneven_quarter(8), "winslow", "local", slide="all")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("slide", "better"), [(None, 0.3), ("all", 1.0)])
+def test_near_orthogonal_grids_of_the_swan(slide, better):
+    start = gg.domain("swan", 31, 31)
+    winslow, found = (gg.optimize(start, name, slide=slide) for name in ("winslow", "near_orthogonal"))
+    assert found.converged
+    assert found.quality.valid
+    assert found.quality.non_orthogonality.mean < better * winslow.quality.non_orthogonality.mean

@@ -145,6 +145,10 @@ def test_every_solver_takes_walls():
         (gg.Wall(1e-3), "walls must map sides to walls"),
         ({"bottom": gg.Wall([1e-3, 1e-3])}, r"first of the wall must be a number or have one value per node"),
         ({"bottom": gg.Wall(1e-3, nodes=(5, 90))}, "nodes of the wall must be two numbers"),
+        (
+            {"bottom": gg.Wall(1e-300)},
+            "first of the wall at bottom is 1e-300, but coordinates of this size",
+        ),
         ({"bottom": gg.Wall(2.0)}, "the first cell of line 0 has 2.00001 of the line's length"),
     ],
 )
@@ -162,6 +166,12 @@ def test_walls_that_cannot_be_are_refused(walls, match):
         ((1e-3, None, "geometric", 5), "layers and share of the wall belong to a growth"),
         ((1e-3, 1.2, "geometric", 5, 0.5), "layers and share of the wall say the same thing"),
         ((1e-3, 1.2, "geometric", None, 1.5), "share of the wall must be between 0 and 1"),
+        ((1e-3, 1.2, "geometric", None, "half"), "share of the wall must be between 0 and 1; came 'half'"),
+        ((1e-3, 1.2, "geometric", 1.5), "layers of the wall must be a whole number of cells; came 1.5"),
+        ((1e-3, 1.2, "geometric", -3), "layers of the wall must be a whole number of cells"),
+        ((np.array([1e-3, np.nan]),), "first of the wall must be a positive height"),
+        ((1e-3, None, "geometric", None, None, True, (1.5, 9)), "nodes of the wall must be two numbers of nodes"),
+        ((1e-3, None, "geometric", None, None, True, 3), "nodes of the wall must be two numbers of nodes; came 3"),
     ],
 )
 def test_what_is_no_wall_is_refused(arguments, match):
@@ -221,3 +231,50 @@ def test_a_side_that_is_spaced_otherwise_than_its_wall_is_told():
     assert "where bottom asks for 0.001" in told.message
     quiet = gg.optimize(channel(25, 17, first=1e-3), "winslow", walls={"bottom": gg.Wall(1e-3)})
     assert "Boundary nodes stay" not in quiet.message
+
+
+@pytest.mark.parametrize("steps", [1, 25, 60])
+@pytest.mark.parametrize("stop", [StopIteration, KeyboardInterrupt, ValueError])
+def test_an_interrupted_run_gives_a_valid_grid(steps, stop):
+    seen = []
+
+    def callback(step):
+        seen.append(step)
+        if len(seen) == steps:
+            raise stop
+
+    start, walls = channel(33, 33), {"bottom": gg.Wall(1e-4)}
+    try:
+        result = gg.optimize(start, "winslow", walls=walls, callback=callback)
+    except ValueError as error:
+        result = error.result
+    assert result.interrupted
+    assert result.quality.valid
+    assert result.change.after.wall_factors["bottom"] <= 1.01 * result.change.before.wall_factors["bottom"]
+
+
+@pytest.mark.parametrize("shape", [(3, 3), (3, 40), (40, 3)])
+@pytest.mark.parametrize("slide", [None, "all"])
+def test_the_smallest_grids(shape, slide):
+    result = gg.optimize(channel(*shape), "winslow", walls={"bottom": gg.Wall(1e-2)}, slide=slide)
+    assert result.converged
+    assert result.quality.valid
+
+
+def test_walls_at_all_sides_that_slide():
+    walls = {side: gg.Wall(1e-3) for side in ("bottom", "right", "top", "left")}
+    result = gg.optimize(channel(33, 25), "winslow", walls=walls, slide="all")
+    assert result.converged
+    assert result.quality.valid
+    # Sliding nodes of the one side do not know of the heights that the other asks for; the message reports it.
+    assert max(result.change.after.wall_factors.values()) < 2.1
+    assert "First heights differ from those asked for by a factor of" in result.message
+
+
+def test_a_folded_start_with_walls_that_slides():
+    xy = channel().xy
+    xy[10:14, 5:9] = xy[20:24, 5:9][::-1]
+    result = gg.optimize(gg.Grid(xy), "winslow", walls={"bottom": gg.Wall(1e-3)}, slide=("left", "right"))
+    assert result.converged
+    assert result.quality.valid
+    assert result.change.after.wall_factors["bottom"] < 1.02

@@ -107,6 +107,7 @@ BY_MATRICES = {
         + size(a) ** 2
         + (np.linalg.inv(a)[0] @ np.linalg.inv(a)[1]) ** 2 * size(a) ** 4
     ),
+    "near_orthogonal": lambda a: 0.99 / sine(a) ** 2 - 1 + 0.01 * (np.linalg.cond(a, "fro") / 2) ** 2,
     "unam_area": lambda a: 1 / (0.01 + size(a)),
     "quasi_harmonic": lambda a: (norm2(a) - 2 * size(a)) / (0.01 + size(a)),
     "epsilon_area": lambda a: max(0.0, 0.1 - size(a)) ** 2,
@@ -128,6 +129,7 @@ MINIMA = {
     "tmop_58": (0, [SCALED, TURNED, 0.3 * TURNED]),
     "knupp_shape": (1, [SCALED, TURNED, 0.3 * TURNED]),
     "knupp_skew": (1, [SCALED, TURNED, TURNED @ np.diag([2, 3])]),
+    "near_orthogonal": (0, [SCALED, TURNED, 0.3 * TURNED]),
     "tmop_55": (0, [TURNED, SHEARED, np.diag([2, 0.5])]),
     "tmop_56": (0, [TURNED, SHEARED, np.diag([2, 0.5])]),
     "tmop_77": (0, [TURNED, SHEARED, np.diag([2, 0.5])]),

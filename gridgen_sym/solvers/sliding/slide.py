@@ -163,13 +163,12 @@ def _curves(slide: object) -> dict[str, object]:
         slide = (slide,)
     if not isinstance(slide, (Mapping, tuple, list, set, frozenset)):
         raise GridgenError(f"slide must be 'all', sides, or a mapping from sides to curves; came {quoted(slide)}")
-    given = dict(slide) if isinstance(slide, Mapping) else dict.fromkeys(slide)
-    for side in given:
+    for side in slide:
         if side not in Sides._fields:
             raise GridgenError(
                 f"unknown side {quoted(side)} in slide: the sides are {', '.join(Sides._fields)}, or 'all'"
             )
-    return given
+    return dict(slide) if isinstance(slide, Mapping) else dict.fromkeys(slide)
 
 
 def _side_nodes(side: str, shape: tuple[int, int]) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
