@@ -183,7 +183,8 @@ class Run:
                     f" {folded} {'cell is' if folded == 1 else 'cells are'} folded. {_proofs_text(proofs)}".rstrip()
                 )
         change = self._change(grid)
-        remarks = self.problem.caution(self.coordinates) + self.remark + f" {change.warning}".rstrip()
+        slides = self.problem.slide.caution(self.coordinates) if self.problem.slide else ""
+        remarks = self.problem.caution(self.coordinates) + self.remark + slides + f" {change.warning}".rstrip()
         return Result(
             grid=grid,
             converged=outcome.converged,

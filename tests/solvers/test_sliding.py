@@ -178,3 +178,12 @@ def test_near_orthogonal_grids_of_the_swan(slide, better):
     assert found.converged
     assert found.quality.valid
     assert found.quality.non_orthogonality.mean < better * winslow.quality.non_orthogonality.mean
+
+
+def test_edges_that_cut_off_a_bend_are_told():
+    """A circle around which few nodes slide: energy falls where an edge spans the hole of the annulus."""
+    start = gg.domain("annulus", 33, 9)
+    result = gg.optimize(start, "winslow", slide="bottom", max_iterations=60)
+    assert "Edges at bottom cut off bends of the curve" in result.message
+    assert "cut off" not in gg.optimize(start, "winslow", slide=("left", "right")).message
+    assert "cut off" not in gg.optimize(uneven_quarter(8), "winslow", slide="all").message

@@ -21,14 +21,17 @@ from ...grids import Grid
 
 #: Corners must be so near to the ends of a curve, and nodes to it, over the extent of the grid.
 _NEAR_END, _NEAR = 1e-6, 0.05
+#: An edge cuts off a bend where its middle is this part of its length away from the curve, as of an arc of 87 degrees.
+_CUT = 0.2
 #: The couplings that the stored half of a Hessian holds: the shift of the neighbor and the first plane.
 _COUPLINGS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
 
 
 @dataclass(slots=True, eq=False)
 class _Side:
-    """The sliding nodes of one side: indices, curve, parameters, and the corners of the curve around each."""
+    """The sliding nodes of one side: its name, indices, curve, parameters, and the curve's corners around each."""
 
+    name: str
     index: tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]
     curve: SlideCurve
     at: Array
@@ -67,6 +70,23 @@ class Slide:
             side.at = side.at if trial else at
         if not trial:
             self._set_tangents()
+
+    def caution(self, coordinates: Array) -> str:
+        """Return a remark on sides whose edges cut off much of their curve, with a leading blank, or nothing.
+
+        Few nodes may crowd at the ends of a curve, and one edge span the rest: that grid is one of another domain.
+        """
+        cut = []
+        for side in self._sides:
+            line = coordinates[:, *_side_nodes(side.name, self.shape)]
+            edge = np.hypot(*np.diff(line, axis=1))
+            middle = (line[:, 1:] + line[:, :-1]).T / 2
+            away = np.hypot(*(side.curve.point(side.curve.nearest(middle)) - middle).T)
+            if (away > _CUT * edge).any():
+                cut.append(side.name)
+        if not cut:
+            return ""
+        return f" Edges at {' and '.join(cut)} cut off bends of the curve: take more nodes, or let fewer sides slide."
 
     def _set_tangents(self) -> None:
         for side in self._sides:
@@ -151,7 +171,7 @@ def make_slide(grid: Grid, slide: object, fixed: Mask) -> Slide:
         free = apart > 1e-9
         free[[0, -1]] = False
         inner = tuple(part[free] for part in index)
-        sides.append(_Side((inner[0], inner[1]), curve, at[free], low[free], high[free]))
+        sides.append(_Side(name, (inner[0], inner[1]), curve, at[free], low[free], high[free]))
     return Slide(sides, grid.shape)
 
 
