@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -39,8 +39,8 @@ class Measures:
     min_scaled_jacobian: float
     max_area_ratio: float
     mean_non_orthogonality: float
-    first_heights: Mapping[str, float]
-    wall_factors: Mapping[str, float]
+    first_heights: Mapping[str, float] = field(hash=False)
+    wall_factors: Mapping[str, float] = field(hash=False)
 
     @classmethod
     def of(cls, grid: Grid, asked: Mapping[str, Array] | None = None) -> Measures:

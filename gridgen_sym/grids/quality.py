@@ -60,7 +60,7 @@ class Quality:
     max_aspect_ratio: float
     max_area_ratio: float
     non_orthogonality: Deviation
-    sides: Mapping[str, SideQuality] = field(repr=False)
+    sides: Mapping[str, SideQuality] = field(repr=False, compare=False)
     folded: NDArray[np.intp] = field(repr=False, compare=False)
     folded_centers: Array = field(repr=False, compare=False)
 

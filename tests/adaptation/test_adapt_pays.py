@@ -61,6 +61,7 @@ def test_indicators_do_not_crowd_the_nodes_of_a_side_at_a_singularity(measure, m
     assert interpolation_error(result.grid, corner_singularity) < most * interpolation_error(start, corner_singularity)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", gg.domain_names())
 def test_every_domain_can_be_adapted(name):
     start = gg.optimize(gg.domain(name, 25, 25), "winslow").grid
@@ -76,6 +77,7 @@ def test_every_domain_can_be_adapted(name):
     assert result.after.weight.variation < 0.75 * result.before.weight.variation
 
 
+@pytest.mark.slow
 def test_a_moving_front_is_followed_by_a_few_steps_at_a_time():
     grid = gg.adapt(square(), lambda x, y: np.tanh(50 * (np.hypot(x, y) - 0.3))).grid
     for radius in np.linspace(0.32, 0.5, 10):

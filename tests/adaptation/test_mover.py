@@ -72,6 +72,7 @@ def test_parameters_are_those_of_the_functional():
     assert movement(start, stiff) < 0.1 * movement(start, free)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nodes", [17, 33, 65])
 def test_a_front_through_two_corners_settles_soon(nodes):
     """Its nodes crowd from both sides of the corners; a damping that is only ever lowered takes 18 to 31 steps."""

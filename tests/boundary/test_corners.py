@@ -87,6 +87,7 @@ def test_turns_are_seen_over_the_length_of_a_cell(nodes, moved):
 OUTLINES = sorted(path.stem for path in (SHARED / "domains" / "outlines").glob("*.csv") if path.stem != "index")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [(40, 40), (60, 40)])
 @pytest.mark.parametrize("name", OUTLINES or ["none"])
 def test_the_automatic_choice_is_never_proved_impossible(name, cells):

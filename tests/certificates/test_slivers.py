@@ -151,6 +151,7 @@ def sliver_of(name):
     return find_sliver(OPEN[name][0])
 
 
+@pytest.mark.slow
 @each_open
 def test_where_nothing_else_is_known_every_grid_has_a_sliver(name):
     (start, fraction), found = OPEN[name], sliver_of(name)

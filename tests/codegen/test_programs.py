@@ -192,6 +192,7 @@ def test_corner_gradient_is_the_slope_of_the_energy(case):
         assert not gradient_objections(programs["corner_hessian"], programs["corner_energy"], values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_corner_hessian_is_the_slope_of_the_gradient(case):
     programs = derived_kernel(*case).programs

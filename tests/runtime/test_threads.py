@@ -35,6 +35,7 @@ def displayed(**variables):
     return told.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 def test_threads_that_wait_are_put_to_sleep_unless_the_user_objects():
     if "GOMP_SPINCOUNT" not in displayed():

@@ -81,6 +81,7 @@ def test_law_holds_to_a_third_of_a_percent_at_32_cells(mode):
     assert spreads(solved("Newton", mode, "formula", 32).grid)[mode] < 0.0035
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_formula_and_function_give_one_grid(solver, mode):

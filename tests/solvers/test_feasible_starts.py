@@ -68,6 +68,7 @@ def test_transfinite_grids_of_bands_become_valid(number):
     assert corner_jacobians(*place).min() > 0
 
 
+@pytest.mark.slow
 def test_bands_at_any_size_place_and_angle_become_valid():
     turn = np.array([[np.cos(1.0), np.sin(1.0)], [-np.sin(1.0), np.cos(1.0)]])
     start = band(*BANDS[1]).xy
@@ -105,6 +106,7 @@ def test_all_starts_leave_fixed_nodes_where_they_are():
         assert (start[:, free].max(axis=1) < high).all()
 
 
+@pytest.mark.slow
 def test_there_is_a_start_for_every_share_that_is_not_excluded():
     """Of the square none of five is, of a band the largest three; of a boundary without a valid grid all are."""
 

@@ -212,6 +212,7 @@ def test_raising_the_smallest_jacobian_makes_nothing_worse():
 # ---- never worse ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solve", SOLVERS.values(), ids=SOLVERS)
 @settings(max_examples=25)
 @given(valid_grids(), st.sampled_from(BUILTIN))

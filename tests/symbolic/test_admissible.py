@@ -30,6 +30,7 @@ def test_area_winslow_is_polyconvex(variant):
     assert (found.holds, found.proof) == (True, "proved")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("factor", "parameters", "constraints"),
     [
@@ -111,6 +112,7 @@ def test_values_beside_a_bound_and_far_from_it_are_met():
     assert row.max() > 50
 
 
+@pytest.mark.slow
 def test_a_report_says_for_which_parameters_it_holds():
     text = derive_text(made("k*g11 + g22 + m*J", {"k": 2, "m": -1}, "k > 0"))
     assert "is positive semidefinite where J > 0 and k > 0; the density is polyconvex there (proved)." in text

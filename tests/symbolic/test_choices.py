@@ -194,6 +194,7 @@ def test_choices_are_classified(density, degree, exchange, bound, barrier):
         assert (found.lower_bound.value, found.lower_bound.proof) == (bound, "proved")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("density", "holds", "proof"),
     [
@@ -211,6 +212,7 @@ def test_convexity_counts_branches_kinks_and_jumps(density, holds, proof):
     assert (found.holds, found.proof) == (holds, proof)
 
 
+@pytest.mark.slow
 def test_a_report_has_the_branches_in_words_and_in_latex():
     functional = Functional("chosen", "max(g11, g22) + where(J > 1, J**2, J)")
     report, formulas = derive_text(functional), derive_latex(functional)
@@ -223,6 +225,7 @@ def test_a_report_has_the_branches_in_words_and_in_latex():
     assert "choice" not in report + formulas
 
 
+@pytest.mark.slow
 def test_products_of_one_comparison_are_one_choice_for_readers():
     report = derive_text(Functional("chosen", "max(0, 1 - J)**2 + sign(J - 2)*J + abs(J - 3)"))
     assert "dE/dx_xi = y_eta*(where(J < 1, 2*J - 2, 0) + sign(J - 3) + sign(J - 2))\n" in report

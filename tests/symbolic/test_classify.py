@@ -38,6 +38,7 @@ def test_the_words_of_the_equations_are_those_of_the_classification(name):
     assert equation_words(functional(name)) == classify(functional(name)).words()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KNOWN)
 def test_known_answers(name):
     found = classify(functional(name))

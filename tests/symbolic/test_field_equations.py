@@ -81,6 +81,7 @@ def test_what_is_no_quotient_of_polynomials_is_no_hindrance():
     assert euler_lagrange(Functional("scaled", "sqrt(2)*(g11 + g22)/J")).reduction is not None
 
 
+@pytest.mark.slow
 def test_a_harmonic_map_has_its_operator_and_the_monitors_slopes():
     reduction = euler_lagrange(DVINSKY, "M:differentiated").reduction
     assert reduction is not None

@@ -41,6 +41,7 @@ def known(name):
     return OWN.get(name) or functional(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_a_fragment_is_latex_whose_lines_fit_and_whose_equations_are_those_derived(name):
     latex = derive_latex(known(name))

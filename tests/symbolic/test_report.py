@@ -24,6 +24,7 @@ def test_text_has_every_part(name):
     assert ("Equidistribution, weight frozen" in text) == ("*s" in text.split("Corner")[0])
 
 
+@pytest.mark.slow
 def test_weight_laws_and_reduction_are_shown():
     text = derive_text(functional("area"))
     assert "c = J*s\n" in text

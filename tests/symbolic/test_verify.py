@@ -126,6 +126,7 @@ def altered(key, old, new):
     return verdict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "old", "new"),
     [
@@ -218,6 +219,7 @@ def test_what_the_winslow_sum_minimizes():
     assert "at (0.281, 0.663)" in second.text
 
 
+@pytest.mark.slow
 def test_on_squares_the_minimum_of_the_sum_is_that_of_each_corner(monkeypatch):
     square = small_grid._BOUNDARY | {(1, 0): (sympy.Rational(1, 2), 0)}
     monkeypatch.setattr(small_grid, "_BOUNDARY", square)
