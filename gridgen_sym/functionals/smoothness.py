@@ -51,7 +51,12 @@ class Jet:
         return Jet(*(np.where(holds, one, two) for one, two in pairs))
 
     def rough(self, order: int) -> NDArray[np.bool_]:
-        """Return where the value is of a usable size, and the derivative of this order is not finite."""
+        """Return where the value is of a usable size, and the derivative of this order is not finite.
+
+        Of order 0, where the value is not.
+        """
+        if order == 0:
+            return ~np.isfinite(self.value)
         derivative = self.first if order == 1 else self.second
         return (np.abs(self.value) < _HUGE) & ~np.isfinite(derivative)
 
@@ -66,7 +71,7 @@ class Rough:
 
     Attributes:
         part: the smallest such part, a SymPy expression.
-        order: 1 where the first derivative is not finite, 2 where only the second is not.
+        order: 0 where the value is not finite, 1 where the first derivative is not, 2 where only the second is not.
         corners: whether that is so, for each corner that was asked for.
     """
 
@@ -81,6 +86,8 @@ def rough_part(
     parameters: Mapping[str, Array | float],
     weight: Array | float = 1.0,
     relative: Array | None = None,
+    *,
+    least: int = 1,
 ) -> Rough | None:
     """Return the first part of a density that has a value but no derivative at some of the corners.
 
@@ -91,6 +98,7 @@ def rough_part(
         weight: values of s, n of them or one for all.
         relative: (4, n), the columns of T = A W⁻¹ where there is a target: a density that does not name the metric of
             T is of them instead.
+        least: 0 to look for the first part without a value first.
     """
     import sympy
 
@@ -104,7 +112,7 @@ def rough_part(
         for part in sympy.postorder_traversal(density):
             if part not in known:
                 known[part] = _jet(part, known, corners)
-    for order in (1, 2):
+    for order in range(least, 3):
         rough = known[density].rough(order)
         if rough.any():
             return _smallest(density, order, rough, known)

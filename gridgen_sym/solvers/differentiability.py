@@ -1,8 +1,9 @@
-"""Why a gradient is not a number: the term of the density that has no derivative at the grid."""
+"""Why an energy or a gradient is not a number: the term of the density that has no value, or no derivative."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from ..arrays import Array
 from ..errors import shortened
 from ..functionals.definition import Functional
 from ..functionals.metric import INVERSE_TARGET_NAMES, WEIGHT_NAME
+
+if TYPE_CHECKING:
+    from ..functionals.smoothness import Rough
 
 
 def missing_derivative(
@@ -28,25 +32,67 @@ def missing_derivative(
         steps: of the logical coordinates.
         values: what else the density is given, by name, at the corners; see `Problem.corner_values`.
     """
+    rough = _rough(functional, parameters, coordinates, steps, values or {}, least=1)
+    if rough is None:
+        return None
+    where = f"{int(rough.corners.sum())} of {rough.corners.size} corners"
+    order = "no derivative" if rough.order == 1 else "no second derivative"
+    return (
+        f"the functional {functional.name} has {order} at this grid: the term {shortened(rough.part)} is not smooth at "
+        f"{where}. Start from another grid, or add a small positive number under its root."
+    )
+
+
+def missing_value(
+    functional: Functional,
+    parameters: Mapping[str, float] | None,
+    coordinates: Array,
+    steps: tuple[float, float],
+    values: Mapping[str, Array] | None = None,
+) -> str | None:
+    """Return a sentence on the term that has no finite value at some corner of a valid grid; None without one.
+
+    Arguments are those of `missing_derivative`.
+    """
+    given = values or {}
+    rough = _rough(functional, parameters, coordinates, steps, given, least=0)
+    if rough is None or rough.order:
+        return None
+    first = int(rough.corners.argmax())
+    ni, nj = coordinates.shape[1:]
+    corner, i, j = (int(k) for k in np.unravel_index(first, (4, ni - 1, nj - 1)))
+    node = i + corner % 2, j + corner // 2
+    x, y = coordinates[0][node], coordinates[1][node]
+    used = [name for name in given if name in {str(one) for one in functional.expression().free_symbols}]
+    at = "".join(f", {name} = {given[name][first]:.6g}" for name in used)
+    return (
+        f"the functional {functional.name} has no finite value at {int(rough.corners.sum())} of {rough.corners.size} "
+        f"corners of this grid, first at that of node {node}, where x = {x:.6g}, y = {y:.6g}{at}, because of the term "
+        f"{shortened(rough.part)}. Change what the density is given there, or the density"
+    )
+
+
+def _rough(
+    functional: Functional,
+    parameters: Mapping[str, float] | None,
+    coordinates: Array,
+    steps: tuple[float, float],
+    values: Mapping[str, Array],
+    *,
+    least: int,
+) -> Rough | None:
+    """Return the first part of the density without a value (order 0) or a derivative at the corners of a grid."""
     from ..functionals.smoothness import rough_part
 
-    corners, given = _corners(coordinates, steps), dict(values or {})
+    corners, given = _corners(coordinates, steps), dict(values)
     target = [given[name] for name in INVERSE_TARGET_NAMES if name in given]
-    rough = rough_part(
+    return rough_part(
         functional.expression(),
         corners,
         {**functional.values(parameters), **given},
         given.get(WEIGHT_NAME, 1.0),
         _relative(corners, *target) if target else None,
-    )
-    if rough is None:
-        return None
-    count = int(rough.corners.sum())
-    where = f"{count} of {corners.shape[1]} corners"
-    order = "no derivative" if rough.order == 1 else "no second derivative"
-    return (
-        f"the functional {functional.name} has {order} at this grid: the term {shortened(rough.part)} is not smooth at "
-        f"{where}. Start from another grid, or add a small positive number under its root."
+        least=least,
     )
 
 

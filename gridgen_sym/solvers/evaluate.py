@@ -11,10 +11,13 @@ import numpy.typing as npt
 from ..arrays import Array
 from ..boundary.wall import Wall
 from ..deprecation import renamed_arguments
+from ..errors import GridgenError
 from ..fields.target import Target
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
+from ..functionals.registry import functional as find_functional
 from ..grids import Grid
+from .differentiability import missing_value
 from .linear.sparse import assemble_hessian
 from .logical import Spacing
 from .problem import make_problem
@@ -52,7 +55,13 @@ def energy(
         spacing=spacing,
         backend=backend,
     )
-    return problem.energy(grid.planes)[0]
+    found, smallest = problem.energy(grid.planes)
+    if not np.isfinite(found) and smallest > 0:
+        given = problem.corner_values(grid.planes)
+        reason = missing_value(find_functional(functional), parameters, grid.planes, problem.steps, given)
+        if reason:
+            raise GridgenError(reason)
+    return found
 
 
 @renamed_arguments(name="functional")

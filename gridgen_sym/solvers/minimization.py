@@ -15,7 +15,7 @@ from ..certificates import Certificate, certificates
 from ..functionals.definition import Functional
 from ..grids import Change, Grid, Measures, corner_jacobians, folded_corners, quality
 from ..grids.grid import boundary_indices
-from .differentiability import missing_derivative
+from .differentiability import missing_derivative, missing_value
 from .multilevel.nested import Nested, worth_nesting
 from .problem import Problem
 from .run.progress import Progress
@@ -149,13 +149,10 @@ class Run:
         """Return how a run has ended, with the term of the density whose derivative does not exist, if that is why."""
         if outcome.converged or self._has_derivatives(outcome.status):
             return outcome
-        reason = missing_derivative(
-            self.functional,
-            self.parameters,
-            self.coordinates,
-            self.problem.steps,
-            self.problem.corner_values(self.coordinates),
-        )
+        problem, given = self.problem, self.problem.corner_values(self.coordinates)
+        energy, smallest = problem.energy(self.coordinates)
+        look = missing_derivative if np.isfinite(energy) or not smallest > 0 else missing_value
+        reason = look(self.functional, self.parameters, self.coordinates, problem.steps, given)
         return Outcome(Status.NOT_DIFFERENTIABLE, reason) if reason else outcome
 
     def _has_derivatives(self, status: Status) -> bool:

@@ -55,3 +55,17 @@ def test_parameters_are_those_of_the_run():
     assert missing_derivative(functional, None, planes, (1.0, 1.0)) is None
     assert "sqrt(Abs(J - k))" in missing_derivative(functional, {"k": 1.0}, planes, (1.0, 1.0))
     assert "sqrt(Abs(J - k))" in missing_derivative(functional, None, planes, (1.0, 0.5))
+
+
+def test_a_value_that_is_no_number_is_named_with_its_place():
+    log = Functional("log_of_a_field", "log(p)*(g11 + g22)/J", fields={"p": "scalar"})
+    grid = gg.domain("swan", 9, 9)
+    valid = gg.optimize(grid, "winslow").grid
+    match = r"no finite value at .* corners of this grid, first at that of node \(0, 0\).*p = -1, because .*log\(p\)"
+    with pytest.raises(gg.GridgenError, match=match):
+        gg.energy(valid, log, fields={"p": -1.0})
+    result = gg.optimize(valid, log, fields={"p": -1.0})
+    assert not result.converged
+    assert result.status is gg.Status.NOT_DIFFERENTIABLE
+    assert "p = -1, because of the term" in result.message
+    assert gg.quality(result.grid).valid

@@ -59,3 +59,19 @@ def test_branches_that_are_null_lagrangians_do_not_make_one():
 )
 def test_a_kink_counts_in_convexity(density, convex):
     assert corner_model(Functional("kinked", density)).splitting.holds is convex
+
+
+@pytest.mark.parametrize(
+    ("density", "arguments", "expected"),
+    [
+        ("(g11 + g22)/J + max(0, p - J)", {"fields": {"p": "scalar"}}, {"J - p"}),
+        ("(g11 + g22)/J + max(0, b - J)", {"parameters": {"b": 2.0}}, {"J - b"}),
+        ("(g11 + g22)/J + max(0, s - J) + max(0, x - J)", {}, {"J - s", "J - x"}),
+        ("(g11 + g22)/J + abs(J - M11)", {"fields": {"M": "symmetric"}}, {"J - M11"}),
+    ],
+)
+def test_a_kink_is_told_in_the_symbols_of_the_density(density, arguments, expected):
+    made = Functional("kinked", density, **arguments)
+    variant = "frozen" if "s -" in density else "plain"
+    found = {str(sympy.expand(kink)) for kink in classify(made, variant).kinks}
+    assert found in (expected, {str(-sympy.sympify(one)) for one in expected})

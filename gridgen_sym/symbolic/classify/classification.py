@@ -13,7 +13,8 @@ import sympy
 from sympy import Expr, Symbol
 
 from ...functionals.definition import Functional
-from ...functionals.metric import symbol
+from ...functionals.field_kinds import typical_values
+from ...functionals.metric import INVERSE_TARGET_NAMES, symbol
 from ...functionals.variant import Modes
 from ..admissible import admissible
 from ..coordinates import FIRST_DERIVATIVES, Variant, epsilon, expand_metric, s, y_xi
@@ -119,6 +120,13 @@ def is_null_lagrangian(functional: Functional) -> bool:
     return bool(expand_metric(density).is_polynomial(*FIRST_DERIVATIVES)) and _is_zero(principal_symbol(density))
 
 
+def _judged_at(functional: Functional) -> dict[Symbol, float]:
+    """Return the numbers at which kinks are looked for: default parameters, typical fields and places, no target."""
+    values = dict(functional.parameters) | typical_values(functional.fields)
+    values |= dict(zip(INVERSE_TARGET_NAMES, (1.0, 0.0, 0.0, 1.0), strict=True))
+    return {symbol(name): value for name, value in values.items()}
+
+
 def _defaults(functional: Functional) -> dict[Symbol, Expr]:
     return {symbol(name): sympy.nsimplify(value, rational=True) for name, value in functional.parameters.items()}
 
@@ -145,7 +153,7 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
     if operator is not None:
         signs = [part.subs(allowed).subs(defaults) for part in (operator.determinant, operator.discriminant)]
         kind = proved_by_operator(kind, signs[0], signs[1], positive)
-    bends = kinks(judged)
+    bends = kinks(variant_density(functional, variant), _judged_at(functional))
     return Classification(
         functional=functional,
         variant=variant,

@@ -8,11 +8,11 @@ equations.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import sympy
-from sympy import Expr
+from sympy import Expr, Symbol
 
 from ...arrays import Array
 from ...functionals.smoothness import rough_part
@@ -28,7 +28,7 @@ _NEAR, _FAR, _JUMP = 1e-7, 1e-2, 1e-4
 _SIZES = (0.1, 0.3, 1.0, 3.0, 10.0)
 
 
-def kinks(density: Expr) -> tuple[Expr, ...]:
+def kinks(density: Expr, values: Mapping[Symbol, float] | None = None) -> tuple[Expr, ...]:
     """Return expressions at whose zeros the first derivatives of the density jump or do not exist, where J > 0.
 
     They are found numerically: zeros of arguments of abs() and sign(), and ties of comparisons, on lines between random
@@ -36,13 +36,16 @@ def kinks(density: Expr) -> tuple[Expr, ...]:
     square or rectangular.
 
     Args:
-        density: in the metric symbols, with numbers instead of parameters.
+        density: in the metric symbols, parameters, and what else it names.
+        values: numbers at which parameters, fields and so on are judged, 1 without one. What is returned is in symbols.
     """
-    weightless = density.subs({symbol: 1 for symbol in density.free_symbols - {*METRIC, *FIRST_DERIVATIVES}})
+    others = sorted(density.free_symbols - {*METRIC, *FIRST_DERIVATIVES}, key=str)
+    numbers = {one: sympy.nsimplify((values or {}).get(one, 1), rational=True) for one in others}
+    judged = density.subs(numbers)
     ends = _corners(2 * _LINES)
     first, last = ends[:, :_LINES], ends[:, _LINES:]
-    found = [argument for argument in turning(weightless) if _jumps(weightless, argument, first, last)]
-    rough = rough_part(weightless, _regular_corners(), {})
+    found = [part for part in turning(density) if _jumps(judged, part.subs(numbers), first, last)]
+    rough = rough_part(density, _regular_corners(), {str(one): float(number) for one, number in numbers.items()})
     if rough is not None and rough.order == 1:
         found.append(_singular(rough.part))
     return tuple(dict.fromkeys(found))
