@@ -91,7 +91,7 @@ def test_the_papers_pages_show_every_equation_and_erratum():
     assert [one.verdict for part in parts for one in part.equations] == list(verdicts)
     assert {one.verdict.erratum for part in parts for one in part.equations} == {None, *(e.key for e in ERRATA)}
     by_key = {one.verdict.equation.key: one for part in parts for one in part.equations}
-    assert by_key["area-expanded-2"].difference == r"x_{\eta \eta} y_{\xi} \left(x_{\xi} - y_{\xi}\right)"
+    assert by_key["area-expanded-2"].difference == r"y_{\xi} x_{\eta \eta} (x_{\xi} - y_{\xi})"
     assert by_key["area-divergence-1"].derived == (
         r"\partial_\xi \left(J y_{\eta}\right) - \partial_\eta \left(J y_{\xi}\right) = 0",
     )
