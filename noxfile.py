@@ -24,6 +24,16 @@ COMPATIBILITY = (
     "tests/test_cli.py",
 )
 
+#: What SymPy derives and classifies, each kind of it once.
+DERIVATIONS = (
+    "tests/symbolic/test_corner_model.py",
+    "tests/symbolic/test_continuous.py",
+    "tests/symbolic/test_fields.py",
+    "tests/symbolic/test_field_equations.py",
+    "tests/symbolic/test_choices.py",
+    "tests/symbolic/test_kinks.py",
+)
+
 
 def install(session: nox.Session, *arguments: str) -> None:
     """Install into the session's own environment; with `--no-venv` leave the active one alone."""
@@ -57,7 +67,7 @@ def oldest(session: nox.Session) -> None:
     # Old releases warn of newer ones of the packages that they use themselves.
     warnings = ("-W", "ignore::DeprecationWarning")
     # An older SymPy may derive otherwise; the newest one is that of the main tier.
-    session.run("pytest", "-n", "auto", *warnings, *COMPATIBILITY, "tests/symbolic", *session.posargs)
+    session.run("pytest", "-n", "auto", *warnings, *COMPATIBILITY, *DERIVATIONS, *session.posargs)
 
 
 @nox.session(python=["3.12", "3.13"])
