@@ -1,5 +1,5 @@
 """Fields and targets
-=================
+=====================
 
 A density may name fields of its own: here a symmetric matrix M(x, y), the metric in which lengths are measured. The map
 to the domain is harmonic in it (A. S. Dvinsky, Journal of Computational Physics 95, 1991), and grid lines gather where
