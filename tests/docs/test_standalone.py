@@ -23,7 +23,7 @@ def test_a_users_functional_gets_its_page(tmp_path):
     assert told.exit_code == 0, told.output
     page = (tmp_path / "out" / "mine.html").read_text(encoding="utf-8")
     assert "treats the two families of grid lines differently" in page
-    assert r"2 ( x_{\xi \xi} + 2 x_{\eta \eta} ) = 0" in page
+    assert r"2 \left( x_{\xi \xi} + 2 x_{\eta \eta} \right) = 0" in page
     assert "<details" in page
     assert (tmp_path / "out" / "_static" / "mathjax" / "startup.js").exists()
     assert (tmp_path / "out" / "_images" / "mine-1.png").exists()
