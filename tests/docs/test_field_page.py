@@ -8,6 +8,8 @@ from gridgen_sym.documentation import pictures
 from gridgen_sym.documentation.functional_page import write_functional_page
 from gridgen_sym.functionals import Functional
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.slow
 def test_a_page_names_the_fields_and_their_values(tmp_path, monkeypatch):

@@ -21,6 +21,8 @@ from gridgen_sym.functionals.definition import Functional
 from gridgen_sym.symbolic.classify.ellipticity import Ellipticity
 from gridgen_sym.symbolic.coordinates import s
 
+pytestmark = pytest.mark.slow
+
 
 def classification(**properties):
     """The properties that no advice is given for, but for those that are named."""

@@ -27,6 +27,8 @@ from support_solvers import (
 
 import gridgen_sym as gg
 
+pytestmark = pytest.mark.slow
+
 SMOOTH = ("1 + x**2", "0.3*sin(y)", "1 + exp(-x)")
 
 

@@ -9,6 +9,8 @@ from support import random_grid, relative_difference
 from gridgen_sym.functionals import Functional
 from gridgen_sym.runtime import find_compiler, kernels
 
+pytestmark = pytest.mark.slow
+
 #: Branches that have no value, or no derivative, where they do not hold.
 UNDEFINED = "g11 + where(J > 1, log(J - 1)*(J - 1)**3, 0) + where(g12 < 0, 1, g12**2.5)"
 MORE = (

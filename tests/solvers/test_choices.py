@@ -8,6 +8,8 @@ import pytest
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
 
+pytestmark = pytest.mark.slow
+
 #: After Barrera-Sanchez, Dominguez-Mota and others (UNAM): area functionals, here with a barrier beside them.
 FUNCTIONALS = {
     "epsilon_area": ("swan", "(g11 + g22)/J + max(0, a/2 - J)**2/a**2", {"a": 1.0}),

@@ -7,6 +7,8 @@ import pytest
 
 import gridgen_sym as gg
 
+pytestmark = pytest.mark.slow
+
 #: One of each family with a barrier: a metric of a target, one of its components, a monitor, a material.
 WITH_BARRIER = {
     "tmop_80": {},

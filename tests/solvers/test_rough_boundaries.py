@@ -138,7 +138,7 @@ def test_where_boundary_nodes_coincide_nothing_is_expected():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [11, 66, 74, 75, 82, 232, 262, 399, 1087])
+@pytest.mark.parametrize("seed", [74, 82, 1087])
 def test_a_rough_boundary_gets_its_grid(seed):
     """Of these the barrier of winslow leaves a fold."""
     assert seconds_to_valid(seed) < 5

@@ -13,6 +13,8 @@ from gridgen_sym.symbolic.classify.isotropy import isotropy
 from gridgen_sym.symbolic.coordinates import METRIC, TARGET_IN_METRIC, J, expand_metric, g11, g12, g22
 from gridgen_sym.symbolic.derive.discrete import variant_density
 
+pytestmark = pytest.mark.slow
+
 DVINSKY = Functional(
     "dvinsky",
     "(M11*(x_xi**2 + x_eta**2) + 2*M12*(x_xi*y_xi + x_eta*y_eta) + M22*(y_xi**2 + y_eta**2))"
