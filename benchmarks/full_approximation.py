@@ -34,8 +34,9 @@ import gridgen_sym as gg
 from gridgen_sym.arrays import Array
 from gridgen_sym.functionals.metric import Metric
 from gridgen_sym.runtime import KernelSet, kernels
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.multilevel.prolongation import finer_start
-from gridgen_sym.solvers.problem import inner, make_problem, norm_of
+from gridgen_sym.solvers.norms import inner, norm_of
 
 TOLERANCE = 1e-8
 #: Sweeps before and after a coarse correction, and instead of one on the coarsest grid.

@@ -14,9 +14,10 @@ import numpy as np
 import gridgen_sym as gg
 from gridgen_sym.grids import corner_jacobians, folded_corners
 from gridgen_sym.runtime import kernels
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.linear.systems import hessian_solver
 from gridgen_sym.solvers.newton.minimize import minimize
-from gridgen_sym.solvers.problem import Problem, make_problem
+from gridgen_sym.solvers.problem import Problem
 from gridgen_sym.solvers.run.progress import Progress
 
 _STEPS, _PATIENCE, _SMALLEST_RATE = 10, 8, 0.1

@@ -17,10 +17,10 @@ from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Grid
+from .binding import make_problem
 from .differentiability import missing_value
 from .linear.sparse import assemble_hessian
 from .logical import Spacing
-from .problem import make_problem
 
 
 @renamed_arguments(name="functional")

@@ -18,13 +18,15 @@ from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Grid
 from ..grids.grid import check_grid
+from .binding import make_problem
 from .harmonic import move_sides
 from .local import sweep_until_converged
 from .logical import LogicalRectangle, Spacing
 from .minimization import Run
 from .multilevel.wall_continuation import approach_walls
 from .newton.minimize import minimize
-from .problem import Problem, make_problem, norm_of
+from .norms import norm_of
+from .problem import Problem
 from .run.checks import check_controls
 from .run.deadline import Deadline
 from .run.progress import Callback, Progress

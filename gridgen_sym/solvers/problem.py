@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from ..arrays import Array, Mask
-from ..boundary.sides import Sides
-from ..boundary.wall import Wall, check_heights, walls_by_side
-from ..errors import GridgenError, UnusableValueError
-from ..fields.inputs import DensityInputs, density_inputs
-from ..fields.target import Target, as_target
-from ..fields.wall_cells import wall_cells
-from ..fields.weight import Source, Weight, as_weight
-from ..functionals.definition import Functional
-from ..functionals.registry import functional as find_functional
-from ..grids import Grid, corner_jacobians
-from ..grids.grid import check_grid
-from ..runtime import KernelSet, Values, kernels
+from ..errors import UnusableValueError
+from ..fields.inputs import DensityInputs
+from ..grids import corner_jacobians
+from ..runtime import KernelSet, Values
 from ..runtime.kernel_set import INDEX_STEPS
 from .folds import Folds
 from .linear.solution import LinearSolver
 from .linear.systems import hessian_solver
-from .logical import LogicalRectangle, Spacing
-from .run.checks import check_size, fixed_mask
-from .sliding.slide import Slide, make_slide
+from .norms import mean_edge_length, norm_of, shortest_edges
+from .sliding.slide import Slide
 from .sliding.solver import RingedSolver
 
 
@@ -158,7 +147,7 @@ class Problem:
         On a nearly folded grid the gradient can be larger by any factor, so it does not set a scale. With a gradient
         measured in local lengths h is 1.
         """
-        spacing = _spacing(coordinates) if self._lengths is None else 1.0
+        spacing = mean_edge_length(coordinates) if self._lengths is None else 1.0
         return abs(energy) / (spacing * float(np.sqrt(coordinates[0].size))) if spacing > 0 else 0.0
 
     def round_off(self, coordinates: Array, gradient: Array) -> float:
@@ -170,7 +159,7 @@ class Problem:
             return self._local_round_off(coordinates, gradient, self._lengths)
         size = max(float(coordinates.max()), -float(coordinates.min()))
         # Before the copy of the grid, so that no two temporaries are in memory at once.
-        little, scale = 1e-4 * _spacing(coordinates), self.gradient_scale(coordinates, 1.0)
+        little, scale = 1e-4 * mean_edge_length(coordinates), self.gradient_scale(coordinates, 1.0)
         # Products of random signs per row and per column are uncorrelated between nodes, and cost nothing.
         rows, columns = (
             np.random.default_rng(seed).choice((-little, little), (2, count))
@@ -248,20 +237,6 @@ class Problem:
         return said
 
 
-def _target_of(
-    grid: Grid,
-    target: Target | Grid | None,
-    walls: Mapping[str, Wall] | Sides[Wall | None],
-    home: tuple[int, int],
-) -> Target:
-    """Return the target of the cells that walls ask for."""
-    if target is not None:
-        raise GridgenError("walls become a target: give walls or a target, not both")
-    sides = walls if isinstance(walls, Sides) else walls_by_side(walls)
-    check_heights(sides, grid)
-    return Target.of_cells(wall_cells(sides, grid.planes, home))
-
-
 def smallest_inner_jacobian(coordinates: Array) -> float:
     """Return the smallest Jacobian of the corners at inner nodes."""
     jacobians = corner_jacobians(coordinates[0], coordinates[1])
@@ -269,78 +244,3 @@ def smallest_inner_jacobian(coordinates: Array) -> float:
     places = ((later, later), (earlier, later), (earlier, earlier), (later, earlier))
     inner_corners = [corner[place] for corner, place in zip(jacobians, places, strict=True)]
     return min(float(corners.min()) for corners in inner_corners)
-
-
-def _spacing(coordinates: Array) -> float:
-    """Return the root mean square length of an edge along xi plus that of one along eta."""
-    return sum(
-        norm_of(edges) / float(np.sqrt(edges[0].size))
-        for edges in (np.diff(coordinates, axis=1), np.diff(coordinates, axis=2))
-    )
-
-
-def shortest_edges(coordinates: Array) -> Array:
-    """Return the length (ni, nj) of the shortest edge that meets at each node."""
-    shortest = np.full(coordinates.shape[1:], np.inf)
-    along_xi, along_eta = (np.hypot(*np.diff(coordinates, axis=axis)) for axis in (1, 2))
-    for nodes in (shortest[:-1], shortest[1:]):
-        np.minimum(nodes, along_xi, out=nodes)
-    for nodes in (shortest[:, :-1], shortest[:, 1:]):
-        np.minimum(nodes, along_eta, out=nodes)
-    return shortest
-
-
-def inner(first: Array, second: Array) -> float:
-    """Return the inner product of two fields (2, ni, nj); infinite or NaN, and not a warning, where it overflows.
-
-    Not by BLAS: its threads would keep spinning on the processors that the kernels' threads need.
-    """
-    with np.errstate(over="ignore", invalid="ignore"):
-        return float(np.einsum("cij,cij->", first, second))
-
-
-def norm_of(field: Array) -> float:
-    """Return the Euclidean norm of a field; infinite, and not a warning, where it overflows."""
-    return float(np.sqrt(inner(field, field)))
-
-
-def make_problem(
-    grid: Grid,
-    functional: str | Functional,
-    *,
-    weight: Weight | Source | None = None,
-    fields: Mapping[str, object] | None = None,
-    target: Target | Grid | None = None,
-    walls: Mapping[str, Wall] | Sides[Wall | None] | None = None,
-    slide: object = None,
-    fixed: npt.ArrayLike | None = None,
-    parameters: Mapping[str, float] | None = None,
-    interior_only: bool = False,
-    guard_summed_only: bool = False,
-    arrays_of: tuple[int, int] | None = None,
-    spacing: Spacing | LogicalRectangle = "unit",
-    backend: str | None = None,
-) -> Problem:
-    """Bind a functional to a grid's shape, with checked input.
-
-    `arrays_of` is the shape of the grid that arrays of values belong to, where it is a finer one.
-
-    Raises:
-        GridgenError: for an unknown functional, bad parameters, values or spacing, or a mask of the wrong shape.
-    """
-    check_grid(grid)
-    check_size(grid)
-    definition = find_functional(functional)
-    home = grid.shape if arrays_of is None else arrays_of
-    asked = as_target(target, home) if walls is None else _target_of(grid, target, walls, home)
-    inputs = density_inputs(
-        definition, home, parameters=parameters, weight=as_weight(weight), fields=fields, target=asked
-    )
-    kernel_set = kernels(definition, inputs.variant, parameters, backend)
-    given = inputs if kernel_set.planes else None
-    steps = LogicalRectangle.of(spacing, grid.shape).steps(grid.shape)
-    problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only, steps)
-    if slide is not None:
-        problem.slide = make_slide(grid, slide, problem.fixed)
-    problem.refresh(np.ascontiguousarray(grid.planes))
-    return problem

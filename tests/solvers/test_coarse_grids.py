@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import gridgen_sym as gg
 from gridgen_sym.functionals.registry import functional
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.folds import Folds
 from gridgen_sym.solvers.harmonic import SIDES
-from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.run.status import StopReason

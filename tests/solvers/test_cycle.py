@@ -5,10 +5,10 @@ import pytest
 
 import gridgen_sym as gg
 from gridgen_sym.runtime import HESSIAN_PLANES, find_compiler
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.linear import multigrid
 from gridgen_sym.solvers.linear.multigrid import GeneralMultigrid, Multigrid
 from gridgen_sym.solvers.linear.sparse import assemble_hessian, assemble_jacobian, to_vector
-from gridgen_sym.solvers.problem import make_problem
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="multigrid is compiled")
 

@@ -14,12 +14,12 @@ from support_boundaries import flat_polygon, grid_of_ring, smooth_curve
 import gridgen_sym as gg
 from gridgen_sym.certificates.branching import DEFAULT_BUDGET
 from gridgen_sym.functionals.registry import functional
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.equations import newton as equations_newton
 from gridgen_sym.solvers.equations.residual import Equations
 from gridgen_sym.solvers.newton import minimize as newton
 from gridgen_sym.solvers.newton.nonlinear_elimination import sweep_standing_out
 from gridgen_sym.solvers.newton.steps import NewtonSteps
-from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.run.status import StopReason

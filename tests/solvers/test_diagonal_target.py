@@ -11,7 +11,7 @@ from gridgen_sym.certificates.expected_jacobians import expected_edges
 from gridgen_sym.functionals import functional
 from gridgen_sym.grids import corner_jacobians
 from gridgen_sym.resources import resource_folder
-from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.untangling.diagonal_target import DiagonalTarget
 from gridgen_sym.solvers.untangling.expected_spacing import FUNCTIONAL
 from gridgen_sym.solvers.untangling.regularization import regularized

@@ -11,7 +11,7 @@ import gridgen_sym as gg
 from gridgen_sym.certificates.branching import DEFAULT_BUDGET
 from gridgen_sym.functionals.registry import functional
 from gridgen_sym.grids import corner_jacobians
-from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.run.deadline import Deadline, StopRequest
 from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.untangling.affine_maps import stretched_maps

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from support_boundaries import SEEDS, SIZES, grid_of_ring, star_polygon
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
 from gridgen_sym.solvers.harmonic import SIDES, harmonic_extension
 from gridgen_sym.solvers.multilevel.prolongation import (
@@ -21,7 +22,6 @@ from gridgen_sym.solvers.multilevel.prolongation import (
     from_boundary,
     resample,
 )
-from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.subdomains import folded_nodes, restrict, subdomains
 
 

@@ -13,7 +13,7 @@ from gridgen_sym.solvers.convergence import ConvergenceTest
 from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.newton.line_search import LineSearch
 from gridgen_sym.solvers.newton.steps import NewtonSteps
-from gridgen_sym.solvers.problem import norm_of
+from gridgen_sym.solvers.norms import norm_of
 from gridgen_sym.solvers.run.deadline import Deadline
 from gridgen_sym.solvers.run.step_control import StepControl, diverges, jacobian_floor
 

@@ -9,12 +9,12 @@ from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
 from gridgen_sym.runtime import find_compiler
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.linear.multigrid import GeneralMultigrid, Multigrid
 from gridgen_sym.solvers.linear.multigrid.library import library_source
 from gridgen_sym.solvers.linear.sparse import assemble_hessian, assemble_jacobian, to_vector
 from gridgen_sym.solvers.linear.systems import DirectSolver
 from gridgen_sym.solvers.multilevel.nested import coarse_shapes
-from gridgen_sym.solvers.problem import make_problem
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="multigrid is compiled")
 

@@ -10,11 +10,11 @@ from support import BUILTIN
 from support_solvers import BARRIER, disordered, edges
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.folds import Folds
 from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.multilevel.prolongation import finer_start, from_boundary
 from gridgen_sym.solvers.newton.line_search import LineSearch
-from gridgen_sym.solvers.problem import make_problem
 
 SOLVERS = {
     "newton": lambda start, name, **options: gg.optimize(start, name, **options),

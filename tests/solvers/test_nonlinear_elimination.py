@@ -7,11 +7,11 @@ import pytest
 from support_solvers import BARRIER
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.newton import minimize as newton
 from gridgen_sym.solvers.newton.minimize import minimize
 from gridgen_sym.solvers.newton.nonlinear_elimination import sweep_standing_out
-from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import Deadline
 from gridgen_sym.solvers.run.progress import Progress
 

@@ -9,8 +9,8 @@ import pytest
 
 import gridgen_sym as gg
 from gridgen_sym.functionals import functional
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
-from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.deadline import StopRequest
 from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.run.status import StopReason

@@ -10,7 +10,7 @@ import pytest
 import gridgen_sym as gg
 from gridgen_sym.functionals import functional
 from gridgen_sym.grids import corner_jacobians
-from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.untangling.all_nodes import AllNodes
 from gridgen_sym.solvers.untangling.expected_spacing import ExpectedSpacing, PowersOfSpacing

@@ -7,8 +7,8 @@ import pytest
 
 import gridgen_sym as gg
 from gridgen_sym.functionals import functional
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.minimization import Run
-from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.progress import Progress
 
 SQUARE = gg.domain("square", 7, 7).planes

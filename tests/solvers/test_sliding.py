@@ -6,7 +6,7 @@ from scipy.interpolate import CubicSpline
 
 import gridgen_sym as gg
 from gridgen_sym.boundary.slide_curve import SlideCurve, slide_curve
-from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.binding import make_problem
 
 # The sides of a quarter of the annulus with radii 1 and 2, as functions of t.
 QUARTER = {

@@ -7,11 +7,11 @@ import pytest
 from support_solvers import farthest, mild_grid
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.linear.sparse import assemble_hessian
 from gridgen_sym.solvers.local import sweep
 from gridgen_sym.solvers.logical import LogicalRectangle
 from gridgen_sym.solvers.multilevel.nested import coarse_shapes
-from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.subdomains import restrict
 
 COMBINED = {"k_A": 0.4, "k_L": 0.3, "k_O": 0.3}

@@ -7,7 +7,7 @@ from support_boundaries import grid_of_ring, smooth_curve
 
 import gridgen_sym as gg
 from gridgen_sym.certificates.branching import DEFAULT_BUDGET, LARGE_BUDGET
-from gridgen_sym.solvers.problem import make_problem
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.run.deadline import StopRequest
 from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.run.status import StopReason

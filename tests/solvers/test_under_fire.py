@@ -21,8 +21,8 @@ from support_solvers import BARRIER, METHODS, edges, farthest
 
 import gridgen_sym as gg
 from gridgen_sym.functionals.registry import functional
+from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.folds import Folds
-from gridgen_sym.solvers.problem import make_problem
 from gridgen_sym.solvers.run.progress import Progress
 from gridgen_sym.solvers.untangling.smallest_jacobian import SmallestJacobian
 from gridgen_sym.solvers.untangling.strategies import begin_search

@@ -24,10 +24,11 @@ from ...functionals.variant import Variant
 from ...grids import Grid, corner_jacobians, folded_corners
 from ...grids.grid import check_grid
 from ...runtime import KernelSet, kernels
+from ..binding import make_problem
 from ..logical import LogicalRectangle, Spacing
 from ..minimization import Run
 from ..newton.minimize import minimize
-from ..problem import Problem, make_problem
+from ..problem import Problem
 from ..run.checks import check_controls
 from ..run.deadline import Deadline
 from ..run.progress import Callback, Progress

@@ -16,7 +16,7 @@ from ..convergence import converged
 from ..linear.solution import LinearSolver
 from ..linear.sparse import assemble_jacobian, to_field, to_vector
 from ..linear.systems import jacobian_solver
-from ..problem import norm_of
+from ..norms import norm_of
 from ..run.deadline import Deadline
 from ..run.progress import Progress
 from ..run.status import Outcome, Status

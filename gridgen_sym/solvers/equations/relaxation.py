@@ -6,7 +6,7 @@ import numpy as np
 
 from ...arrays import Array
 from ..convergence import converged
-from ..problem import norm_of
+from ..norms import norm_of
 from ..run.progress import Progress
 from ..run.status import Outcome, Status
 from .residual import Equations

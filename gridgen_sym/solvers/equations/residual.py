@@ -9,7 +9,8 @@ import numpy as np
 from ...arrays import Array
 from ...grids import corner_jacobians
 from ...runtime import KernelSet, Values
-from ..problem import Problem, norm_of
+from ..norms import norm_of
+from ..problem import Problem
 from .control import Controlled
 
 

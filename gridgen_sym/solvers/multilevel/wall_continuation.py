@@ -19,9 +19,10 @@ from ...fields.target import Target
 from ...fields.wall_cells import WallCells, corrected, own_cells, wall_cells
 from ...functionals.registry import functional as find_functional
 from ...grids import Grid, corner_jacobians
+from ..binding import make_problem
 from ..minimization import Run
 from ..newton.minimize import minimize
-from ..problem import Problem, make_problem
+from ..problem import Problem
 from ..run.progress import Progress
 from ..run.status import Outcome
 from ..untangling.strategies import untangle_regularized

@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import UnusableValueError
 from ..iterate import Iterate
-from ..problem import inner
+from ..norms import inner
 
 #: Armijo's constant, and how often a step is halved.
 _SUFFICIENT, _HALVINGS = 1e-4, 40
