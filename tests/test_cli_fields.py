@@ -34,6 +34,7 @@ def expected(**options):
     return gg.optimize(gg.domain("square", 9, 8), backend="numpy", **options).grid
 
 
+@pytest.mark.slow
 def test_a_tuple_of_formulas_is_a_tensor():
     run("--field", f"M=({', '.join(TENSOR)})")
     held = expected(functional=DVINSKY, fields={"M": TENSOR})

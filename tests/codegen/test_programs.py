@@ -210,6 +210,7 @@ def test_corner_hessian_is_the_slope_of_the_gradient(case):
                 assert close(found[f"q{row}{column}"], expected[f"p{row}"], DIFFERENCES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_residual_slopes_are_the_slopes_of_the_residual(case):
     programs = derived_kernel(*case).programs

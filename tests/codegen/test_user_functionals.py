@@ -86,6 +86,7 @@ def test_unknown_parameters_are_refused():
         kernels(defined, parameters={"zy": 1}, backend="numpy")
 
 
+@pytest.mark.slow
 def test_what_stands_for_a_barrier_is_found():
     with_barrier = define("walled", "g11/J + g22")
     without = define("open", "g11*J + g22")

@@ -232,6 +232,7 @@ def evaluated(expression, values):
     return sympy.lambdify(sorted(expression.free_symbols, key=str), expression)(*(values[name] for name in names))
 
 
+@pytest.mark.slow
 def test_a_density_may_name_both_metrics():
     grid, wanted = mild_grid(), mild_grid(disorder=0.1)
     own, to_target = (metric(m) for m in (map_matrices(grid), relative(*map(corner_matrices, (grid, wanted)))))

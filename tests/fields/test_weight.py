@@ -95,6 +95,7 @@ def test_the_weight_multiplies_a_density_that_does_not_name_it(name):
 # ---- derivatives ----
 
 
+@pytest.mark.slow
 @each_weighted
 @pytest.mark.parametrize("interior_only", [False, True])
 @pytest.mark.parametrize(("source", "accuracy"), [(FORMULA, 1e-6), (function, 1e-5)])

@@ -90,6 +90,7 @@ def test_a_folded_start_is_compared_with_nothing():
     assert result.change.warning == ""
 
 
+@pytest.mark.slow
 def test_continuation_compares_with_its_own_start():
     start = gg.domain("quarter_annulus", 13, 13)
     result = gg.continuation(start, "quasi_harmonic", "omega", [1.0, 0.1])

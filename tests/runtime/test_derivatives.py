@@ -146,6 +146,7 @@ def at(array, offset):
     return array.ctypes.data + offset
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inner", [False, True], ids=["all corners", "inner corners"])
 @pytest.mark.parametrize("case", tiered(CASES), ids=case_name)
 def test_the_semidefinite_hessian_has_no_negative_eigenvalue(case, inner):
@@ -167,6 +168,7 @@ def test_some_full_hessian_has_a_negative_eigenvalue():
     assert {"area", "orthogonality", "winslow"} <= set(indefinite)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", tiered(EQUATION_CASES), ids=case_name)
 def test_the_jacobian_is_the_slope_of_the_residual(case):
     kernels = kernel_set(*case, BACKEND)

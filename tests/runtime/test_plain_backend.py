@@ -29,6 +29,7 @@ def plain(monkeypatch):
     gg.register_backend(plain_python.BACKEND)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("inner", [False, True])
 @pytest.mark.parametrize(

@@ -64,6 +64,7 @@ def test_what_is_no_grid_is_refused(solve, grid):
         solve(grid, "winslow")
 
 
+@pytest.mark.slow
 @each_of_all
 def test_the_smallest_grid_is_solved(solve):
     start = gg.domain("wavy", 3, 3)

@@ -54,6 +54,7 @@ def test_both_ways_lead_from_disorder_to_one_minimum(name, method):
     assert farthest(result.grid, expected.grid) < 1e-6
 
 
+@pytest.mark.slow
 @each_barrier
 @pytest.mark.parametrize(("domain", "nodes"), [("swan", 41), ("zee", 21)])
 def test_a_folded_start_is_untangled_and_that_is_said(name, domain, nodes):

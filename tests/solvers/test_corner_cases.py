@@ -12,6 +12,7 @@ def constant_kernels(clean_registry):
     gg.define("of_x_alone", "x_xi**2 + x_eta**2")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["null_lagrangian", "of_x_alone"])
 def test_backends_agree_where_kernels_are_constant(constant_kernels, name):
     start = gg.domain("swan", 9, 9)

@@ -242,6 +242,7 @@ def test_a_held_weight_must_exist_where_a_step_leads():
     assert found.length == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["frozen", "differentiated"])
 @pytest.mark.parametrize("formula", ["1 + 20/cosh(20*(x+y-1))**2", "sqrt(1.0001-x)*sqrt(1e-4+x)*sqrt(1.0001-y)"])
 def test_a_weight_that_ends_near_the_boundary_ends_no_run(formula, mode):

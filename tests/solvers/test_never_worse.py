@@ -155,6 +155,7 @@ def test_where_a_corner_of_fixed_nodes_is_folded_all_other_cells_are_unfolded():
     assert "no valid grid exists: at corner 0" in result.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BARRIER)
 def test_shallow_folds_are_found_and_mended(name):
     """Far shallower than a cell: an epsilon of their size would not see its way out."""

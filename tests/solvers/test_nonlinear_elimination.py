@@ -90,6 +90,7 @@ def test_windows_are_small_and_cut_out_where_sweeps_are_not_enough(seen):
     assert all(ni * nj <= SIZE**2 / 4 for ni, nj in seen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [{"weight": "1 + x**2"}, {"interior_only": True}])
 def test_no_window_is_cut_out_of_what_hangs_together(options, seen):
     """A weight, and which corners count, depend on the whole grid: sweeps know them, windows do not."""

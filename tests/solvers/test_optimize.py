@@ -143,6 +143,7 @@ def test_gradient_and_hessian_are_differences(name, interior_only):
     assert relative(hessian, gradient_differences(grid, name, 1e-6, interior_only=interior_only)) < 1e-6
 
 
+@pytest.mark.slow
 @each_functional
 def test_the_semidefinite_hessian_is_so(name):
     matrix = gg.hessian(mild_grid(6, 5, 0.3), name, semidefinite=True).toarray()

@@ -74,6 +74,7 @@ def test_its_parameter_is_there_while_it_untangles(walled):
     assert farthest(one, other) > 1e-4
 
 
+@pytest.mark.slow
 def test_its_derivatives_are_differences(walled):
     grid = mild_grid(5, 6)
     options = {"parameters": {"k": 2.0}}

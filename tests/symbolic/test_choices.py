@@ -173,6 +173,7 @@ def test_equations_are_derived_by_branches():
 # ---- classification and report ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("density", "degree", "exchange", "bound", "barrier"),
     [

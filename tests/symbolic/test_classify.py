@@ -66,6 +66,7 @@ def test_determinants():
     assert sympy.expand(classify(functional("length")).determinant - (k1**2 + k2**2) ** 2) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KNOWN)
 def test_determinant_in_metric_symbols_is_that_of_the_symbol(name):
     found = classify(functional(name))

@@ -85,6 +85,7 @@ def test_gradient_and_hessian_against_differences(name, variant):
                 assert derived == pytest.approx(expected, rel=CLOSE, abs=CLOSE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BUILTIN)
 def test_a_flipped_sign_is_seen(name):
     model = corner_model(functional(name))

@@ -61,6 +61,7 @@ def test_a_kink_counts_in_convexity(density, convex):
     assert corner_model(Functional("kinked", density)).splitting.holds is convex
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("density", "arguments", "expected"),
     [
