@@ -263,8 +263,6 @@ import sys
 import numpy as np
 sys.path.insert(0, "kernels")
 import odd, odd_target
-
-pytestmark = pytest.mark.slow
 coordinates = np.array(np.meshgrid(2.0 * np.arange(4), 3.0 * np.arange(5), indexing="ij"))
 inverse = [np.full((4, 5), value) for value in (1 / 2, 0, 0, 1 / 3)]
 for kernel, planes in ((odd, []), (odd_target, inverse)):
