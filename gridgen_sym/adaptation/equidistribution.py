@@ -60,7 +60,9 @@ def equidistribution(grid: Grid, weight: Weight | npt.ArrayLike) -> Equidistribu
     if given.per_node:
         s = cell_means(given.values(grid.planes))
     else:
-        s = given.values(np.stack([cell_means(plane) for plane in grid.planes]), "cell")
+        middles = np.stack([cell_means(plane) for plane in grid.planes])
+        given.field.check_samples(middles[0], middles[1], "cell")
+        s = given.values(middles, "cell")
     if s.min() < 0:
         raise GridgenError(f"the spread of s·J needs a weight that is nowhere negative; it is {s.min():.6g} somewhere")
     area = cell_areas(grid)

@@ -70,4 +70,9 @@ def source_of(solution: Solution, grid: Grid) -> Source:
     if field.per_node:
         values = nodal_values(grid, given, "the solution")
         return Source(lambda on: transfer(grid, values, on), sampled=True)
-    return Source(lambda on: field.values(on.x, on.y))
+
+    def evaluated(on: Grid) -> Array:
+        field.check_samples(on.x, on.y)
+        return field.values(on.x, on.y)
+
+    return Source(evaluated)

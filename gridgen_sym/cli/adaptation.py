@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .base import functionals_option
-from .field import field_of
+from .field import OUTSIDE_HELP, field_of
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
 
 if TYPE_CHECKING:
     from ..adaptation import AdaptResult
+    from ..fields.outside import Outside
 
 _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchical_error", "values")
 
@@ -23,6 +24,7 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
 @click.command(cls=SizedCommand)
 @click.argument("input")
 @click.option("--to", required=True, metavar="FIELD", help="A formula in x and y, or a .npz or .csv file; see above.")
+@click.option("--outside", type=click.Choice(("error", "nearest")), default="error", help=OUTSIDE_HELP)
 @click.option(
     "--monitor",
     type=click.Choice(_MONITORS),
@@ -52,6 +54,7 @@ _MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchi
 def adapt(
     input: str,
     to: str,
+    outside: Outside,
     monitor: str,
     feature_fraction: float | None,
     share: float | None,
@@ -79,7 +82,7 @@ def adapt(
     given_to_monitor = {"feature_fraction": fraction, "smoothing": smoothing}
     knobs = {name: value for name, value in given_to_monitor.items() if value is not None}
     chosen = Monitor(monitor, **knobs)  # type: ignore[arg-type]
-    field = field_of(to, smooth=monitor != "values")
+    field = field_of(to, smooth=monitor != "values", outside=outside)
     boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient")}
     given = {key: value for key, value in options.items() if value is not None}
     given["parameters"] = parameters_of(given.get("functional", "area_winslow"), parameters)

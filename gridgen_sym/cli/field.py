@@ -13,6 +13,7 @@ from ..errors import GridgenError, quoted, shortened
 
 if TYPE_CHECKING:
     from ..fields import Field, Target
+    from ..fields.outside import Outside
     from ..fields.scalar import Source
 
 _FILES = "a field is a formula in x and y, or a .npz or .csv file with a raster, samples or values at the nodes"
@@ -20,6 +21,7 @@ _ARRAYS = "expected the arrays x (nx,), y (ny,) and values (nx, ny), or values (
 _SAMPLES = "expected the header x,y,value and one sample per line"
 #: A cubic needs so many samples; its slopes are what most monitors look at.
 _FEWEST_SMOOTH = 4
+OUTSIDE_HELP = "Outside the samples of a file: refuse such nodes, or take the nearest sample.  [default: error]"
 _FIELD = (
     "--field is written NAME=VALUE, NAME:logical=VALUE or NAME:differentiated=VALUE, such as M='(1 + x**2, 0, 1)' or "
     "p:logical='1 + xi'"
@@ -30,8 +32,8 @@ _TARGET = (
 )
 
 
-def fields_of(texts: Iterable[str]) -> dict[str, Field]:
-    """Return the fields that texts such as `M=(1 + x**2, 0, 1)` give, by name.
+def fields_of(texts: Iterable[str], outside: Outside = "error") -> dict[str, Field]:
+    """Return the fields that texts such as `M=(1 + x**2, 0, 1)` give, by name; `outside` is that of samples.
 
     Raises:
         GridgenError: for other texts, a name that comes twice, or a file that cannot be read.
@@ -49,7 +51,7 @@ def fields_of(texts: Iterable[str]) -> dict[str, Field]:
         if name in found:
             raise GridgenError(f"--field gives {name} twice: give each field once")
         smooth = how == "differentiated"
-        parts = [_source(part, smooth=smooth) for part in _parts(value)]
+        parts = [_source(part, smooth, outside) for part in _parts(value)]
         source: Any = parts[0] if len(parts) == 1 else tuple(parts)
         found[name] = Field(source, "logical" if how == "logical" else "physical", how if smooth else "frozen")  # type: ignore[arg-type]
     return found
@@ -90,17 +92,18 @@ def control_of(text: str) -> Any:  # noqa: ANN401 - two formulas, or a name
     )
 
 
-def field_of(text: str, *, smooth: bool) -> Source:
+def field_of(text: str, *, smooth: bool, outside: Outside = "error") -> Source:
     """Return what `--to` or `--weight` names, as `as_scalar` takes it: a formula, samples, or numbers of one grid.
 
     Args:
         text: the name of a .npz or .csv file, or a formula in x and y.
         smooth: interpolate samples by cubics, whose slopes are continuous.
+        outside: whether nodes outside of samples are refused, or have the nearest value.
 
     Raises:
         GridgenError: for a file that cannot be read, or holds something else.
     """
-    found = _source(text, smooth=smooth)
+    found = _source(text, smooth, outside)
     if isinstance(found, tuple):
         raise GridgenError(f"cannot read the field {text}: it has {len(found)} values per sample, and one is wanted")
     return found
@@ -119,7 +122,7 @@ def _parts(text: str) -> list[str]:
     return [text[a + 1 : b].strip() for a, b in zip([-1, *cuts], [*cuts, len(text)], strict=True)]
 
 
-def _source(text: str, *, smooth: bool) -> Any:  # noqa: ANN401
+def _source(text: str, smooth: bool, outside: Outside) -> Any:  # noqa: ANN401
     """Return a formula as it is, and what a file holds; a tuple of what has several values per sample."""
     suffix = Path(text).suffix.lower()
     if suffix not in (".npz", ".csv"):
@@ -128,7 +131,7 @@ def _source(text: str, *, smooth: bool) -> Any:  # noqa: ANN401
         return text
     data = read_bytes(text)
     try:
-        return _arrays(data, smooth) if suffix == ".npz" else _samples(data, smooth)
+        return (_arrays if suffix == ".npz" else _samples)(data, smooth, outside)
     except GridgenError as error:
         raise GridgenError(f"cannot read the field {text}: {error}") from error
 
@@ -153,7 +156,7 @@ def _is_formula(text: str) -> bool:
     return False
 
 
-def _arrays(data: bytes, smooth: bool) -> Any:  # noqa: ANN401
+def _arrays(data: bytes, smooth: bool, outside: Outside) -> Any:  # noqa: ANN401
     from ..fields import raster_field
     from ..io.npz import read_arrays
 
@@ -163,11 +166,11 @@ def _arrays(data: bytes, smooth: bool) -> Any:  # noqa: ANN401
     x, y, values = (arrays[name] for name in ("x", "y", "values"))
     cubic = smooth and min(x.size, y.size) >= _FEWEST_SMOOTH
     if values.ndim == 3:
-        return tuple(raster_field(x, y, one, smooth=cubic) for one in values)
-    return raster_field(x, y, values, smooth=cubic)
+        return tuple(raster_field(x, y, one, smooth=cubic, outside=outside) for one in values)
+    return raster_field(x, y, values, smooth=cubic, outside=outside)
 
 
-def _samples(data: bytes, smooth: bool) -> Any:  # noqa: ANN401
+def _samples(data: bytes, smooth: bool, outside: Outside) -> Any:  # noqa: ANN401
     import numpy as np
 
     from ..fields import scattered_field
@@ -184,5 +187,6 @@ def _samples(data: bytes, smooth: bool) -> Any:  # noqa: ANN401
         raise GridgenError(f"{shortened(error)}; {_SAMPLES}") from error
     if samples.shape[1:] != (len(columns),):
         raise GridgenError(f"it has {samples.shape[1]} columns; {_SAMPLES}")
-    made = tuple(scattered_field(samples[:, :2], one, smooth=smooth) for one in samples[:, 2:].T)
+    points = samples[:, :2]
+    made = tuple(scattered_field(points, one, smooth=smooth, outside=outside) for one in samples[:, 2:].T)
     return made if len(made) > 1 else made[0]

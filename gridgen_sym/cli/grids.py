@@ -11,7 +11,7 @@ import click
 
 from ..errors import GridgenError
 from .base import functionals_option
-from .field import control_of, field_of, fields_of, target_of
+from .field import OUTSIDE_HELP, control_of, field_of, fields_of, target_of
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import continuation_of, parameters_of, start_grid, start_options
 from .types import SizedCommand, integer, number
@@ -19,6 +19,7 @@ from .walls import WALL_HELP, walls_of
 
 if TYPE_CHECKING:
     from ..fields import Weight
+    from ..fields.outside import Outside
     from ..solvers import Result
 
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
@@ -59,6 +60,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     "M='(1 + x**2, 0, 1)'. NAME:logical=VALUE is a formula in xi and eta; NAME:differentiated=VALUE belongs to the "
     "energy. May be repeated.",
 )
+@click.option("--outside", type=click.Choice(("error", "nearest")), default="error", help=OUTSIDE_HELP)
 @click.option(
     "--target",
     metavar="TARGET",
@@ -132,8 +134,11 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     passed = "tolerance", "max_iterations", "time_limit", "keep_valid", "spacing", "backend"
     given = {key: options[key] for key in passed if options[key] is not None}
     given["parameters"] = parameters_of(name, options["parameters"])
-    given["weight"] = _weight(options["weight"], options["weight_mode"], options["allow_negative_weight"])
-    given["fields"], given["target"] = fields_of(options["fields"]), target_of(options["target"])
+    given["weight"] = _weight(
+        options["weight"], options["weight_mode"], options["allow_negative_weight"], options["outside"]
+    )
+    given["fields"] = fields_of(options["fields"], options["outside"])
+    given["target"] = target_of(options["target"])
     given["walls"] = walls_of(options["walls"]) or None
     if quiet:
         given["progress"] = False
@@ -160,7 +165,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     return partial(solve_euler_lagrange, functional=name, method=way, **given)
 
 
-def _weight(text: str | None, mode: str | None, allow_negative: bool) -> Weight | None:
+def _weight(text: str | None, mode: str | None, allow_negative: bool, outside: Outside) -> Weight | None:
     """Return the weight that the options give."""
     from ..fields import Weight
 
@@ -168,7 +173,8 @@ def _weight(text: str | None, mode: str | None, allow_negative: bool) -> Weight 
         if mode or allow_negative:
             raise GridgenError("--weight-mode and --allow-negative-weight need a --weight FIELD")
         return None
-    return Weight(field_of(text, smooth=mode == "differentiated"), mode or "frozen", allow_negative)  # type: ignore[arg-type]
+    source = field_of(text, smooth=mode == "differentiated", outside=outside)
+    return Weight(source, mode or "frozen", allow_negative)  # type: ignore[arg-type]
 
 
 def _report(result: Result, quiet: bool) -> None:

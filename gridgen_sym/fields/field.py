@@ -11,6 +11,7 @@ import numpy.typing as npt
 from ..arrays import Array, real_array
 from ..errors import GridgenError, quoted
 from ..grids import Grid
+from .outside import Outside
 from .sampled import SampledField, grid_field, raster_field, scattered_field
 
 Domain = Literal["physical", "logical"]
@@ -52,24 +53,39 @@ class Field:
             )
 
     @classmethod
-    def on_grid(cls, grid: Grid, values: npt.ArrayLike, mode: Mode = "frozen") -> Field:
+    def on_grid(cls, grid: Grid, values: npt.ArrayLike, mode: Mode = "frozen", *, outside: Outside = "error") -> Field:
         """Return the field that interpolates values at the nodes (ni, nj), or in the cells, of a grid.
 
         Of several components, values have these along the first axis. It belongs to positions: a node that moves has
-        the value of its new position (see `grid_field`).
+        the value of its new position (see `grid_field`). Nodes outside the samples are refused, or have the value of
+        the nearest sample with `outside="nearest"`.
         """
-        return cls._sampled(values, mode, lambda one: grid_field(grid, one, smooth=mode == "differentiated"))
+        smooth = mode == "differentiated"
+        return cls._sampled(values, mode, lambda one: grid_field(grid, one, smooth=smooth, outside=outside))
 
     @classmethod
-    def on_points(cls, points: npt.ArrayLike, values: npt.ArrayLike, mode: Mode = "frozen") -> Field:
+    def on_points(
+        cls, points: npt.ArrayLike, values: npt.ArrayLike, mode: Mode = "frozen", *, outside: Outside = "error"
+    ) -> Field:
         """Return the field that interpolates values (n,), or (k, n), at scattered points (n, 2)."""
         smooth = mode == "differentiated"
-        return cls._sampled(values, mode, lambda one: scattered_field(points, one, smooth=smooth), axes=1)
+        return cls._sampled(
+            values, mode, lambda one: scattered_field(points, one, smooth=smooth, outside=outside), axes=1
+        )
 
     @classmethod
-    def on_raster(cls, x: npt.ArrayLike, y: npt.ArrayLike, values: npt.ArrayLike, mode: Mode = "frozen") -> Field:
+    def on_raster(
+        cls,
+        x: npt.ArrayLike,
+        y: npt.ArrayLike,
+        values: npt.ArrayLike,
+        mode: Mode = "frozen",
+        *,
+        outside: Outside = "error",
+    ) -> Field:
         """Return the field that interpolates a raster: values (nx, ny), or (k, nx, ny), at x (nx,) and y (ny,)."""
-        return cls._sampled(values, mode, lambda one: raster_field(x, y, one, smooth=mode == "differentiated"))
+        smooth = mode == "differentiated"
+        return cls._sampled(values, mode, lambda one: raster_field(x, y, one, smooth=smooth, outside=outside))
 
     @classmethod
     def _sampled(

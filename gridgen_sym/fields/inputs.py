@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from ..arrays import Array
 from ..errors import GridgenError, UnusableValueError, quoted
@@ -117,12 +118,31 @@ class DensityInputs:
             return False
         return True
 
+    def check_samples(self, coordinates: Array, among: npt.NDArray[np.bool_] | None = None) -> None:
+        """Refuse nodes outside the samples of the weight, a field or the target.
+
+        Args:
+            coordinates: (2, ni, nj).
+            among: which nodes must lie in the samples; by default all.
+
+        Raises:
+            UnusableValueError: naming the field, the node and the repair.
+        """
+        if self.weight is not None:
+            self.weight.check_samples(coordinates, among)
+        given = [(field.domain, field.parts) for field in self.fields]
+        if self.target is not None:
+            given.append((self.target.domain, self.target.parts))
+        for domain, parts in given:
+            for part in parts:
+                part.check_samples(*_points(domain, coordinates), among=among)
+
     def remarks(self, coordinates: Array) -> str:
-        """Return a remark on nodes outside the samples of a field, with a leading blank, or nothing."""
+        """Return a remark on nodes where the nearest sample of a field counts, with a leading blank, or nothing."""
         said = ""
         for field in self.fields:
-            parts = [part for part in field.parts if field.domain == "physical"]
-            outside = max((part.outside(*coordinates) for part in parts), default=0)
+            points = _points(field.domain, coordinates)
+            outside = max(part.outside(*points) for part in field.parts)
             if outside:
                 said += (
                     f" {outside} of {coordinates[0].size} nodes lie outside the samples of the field {field.name}: the "

@@ -2,13 +2,15 @@
 
 SciPy interpolates. Values between samples are linear by default, so that no weight becomes negative between
 positive samples; a `smooth` field is a cubic that has the derivatives that a differentiated weight needs. Outside the
-samples (of scattered points: outside their convex hull; of a valid grid: outside its boundary) the nearest counts.
+samples (of scattered points: outside their convex hull; of a valid grid: outside its boundary) the nearest counts, and
+unless that is asked for, grids with nodes there are refused.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from ..errors import GridgenError
 from ..grids import Grid, quality
 from ..grids.grid import check_grid
 from .function import difference
+from .outside import ROUNDING, Outside, check_choice
 from .structured import StructuredInterpolation
 
 #: Fewer samples span no plane, and less than a grid of cubics in either direction.
@@ -31,9 +34,12 @@ class SampledField:
 
     Attributes:
         kind: what the samples are, in words.
+        beyond: what counts outside the samples: `error` refuses grids with nodes there, `nearest` takes the nearest
+            sample. A call takes the nearest one always.
     """
 
     kind: str
+    beyond: Outside
     _derivative: Callable[[Array, Array, int, int], Array] | None
     _value: Callable[[Array, Array], Array]
     _covers: Callable[[Array, Array], npt.NDArray[np.bool_]]
@@ -56,12 +62,18 @@ class SampledField:
         """Return how many points lie outside the samples, where the nearest value is taken."""
         return int((~self._covers(x, y)).sum())
 
+    def covers(self, x: Array, y: Array) -> npt.NDArray[np.bool_]:
+        """Return which points lie in the samples, their edge included."""
+        return self._covers(x, y)
+
     def __repr__(self) -> str:
         """Say what it is."""
         return f"<field sampled {self.kind}>"
 
 
-def scattered_field(points: npt.ArrayLike, values: npt.ArrayLike, *, smooth: bool = False) -> SampledField:
+def scattered_field(
+    points: npt.ArrayLike, values: npt.ArrayLike, *, smooth: bool = False, outside: Outside = "error"
+) -> SampledField:
     """Interpolate samples at scattered points on their Delaunay triangles.
 
     Linear on each triangle (SciPy's `LinearNDInterpolator`), or `smooth`: Clough and Tocher's cubic, which has
@@ -72,10 +84,12 @@ def scattered_field(points: npt.ArrayLike, values: npt.ArrayLike, *, smooth: boo
         points: (n, 2), at least three, not all on one line.
         values: (n,).
         smooth: whether slopes must be continuous.
+        outside: whether grids with nodes outside the convex hull are refused (`error`), or the `nearest` sample counts.
 
     Raises:
         GridgenError: for other shapes, samples that are not finite, or points on one line.
     """
+    check_choice(outside)
     position, value = real_array(points, "the points of samples"), real_array(values, "the values of samples")
     if (
         position.ndim != 2
@@ -88,24 +102,27 @@ def scattered_field(points: npt.ArrayLike, values: npt.ArrayLike, *, smooth: boo
             f"came {position.shape} and {value.shape}"
         )
     _check_finite(np.column_stack((position, value)), "point")
-    return _triangulated(position, value, f"at {len(position)} points", smooth=smooth)
+    return _triangulated(position, value, f"at {len(position)} points", outside, smooth=smooth)
 
 
-def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False) -> SampledField:
+def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False, outside: Outside = "error") -> SampledField:
     """Interpolate values at the nodes of a grid, or in its cells.
 
     Linear in the two triangles of each cell; outside the grid the nearest point of its boundary counts. A `smooth`
-    field, and one on a folded grid, is made of the nodes as `scattered_field` does.
+    field, and one on a folded grid, is made of the nodes as `scattered_field` does. A point is in a valid grid up to a
+    tenth of the cell beside it: two grids of one domain cut its curves at different nodes.
 
     Args:
         grid: the grid of the samples.
         values: (ni, nj), one per node, or (ni-1, nj-1), one per cell.
         smooth: whether slopes must be continuous.
+        outside: whether grids with nodes outside this one are refused (`error`), or the `nearest` sample counts.
 
     Raises:
         GridgenError: for values of another shape, or that are not finite.
     """
     check_grid(grid)
+    check_choice(outside)
     value, (ni, nj) = real_array(values, "the values of samples"), grid.shape
     if value.shape == (ni - 1, nj - 1):
         value = nodal(value)
@@ -115,14 +132,22 @@ def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False) -> Sa
             f"came {value.shape}"
         )
     _check_finite(value[..., np.newaxis], "node")
-    if not smooth and quality(grid).valid:
-        cells = StructuredInterpolation(grid)
-        kind = f"on a grid of {ni} x {nj} nodes"
-        return SampledField(kind, None, lambda x, y: cells.values(value, x, y), cells.covers)
-    return _triangulated(grid.xy.reshape(-1, 2), value.ravel(), f"on a grid of {ni} x {nj} nodes", smooth=smooth)
+    kind = f"on a grid of {ni} x {nj} nodes"
+    cells = StructuredInterpolation(grid) if quality(grid).valid else None
+    if cells is not None and not smooth:
+        return SampledField(kind, outside, None, partial(cells.values, value), cells.covers)
+    made = _triangulated(grid.xy.reshape(-1, 2), value.ravel(), kind, outside, smooth=smooth)
+    return made if cells is None else replace(made, _covers=cells.covers)
 
 
-def raster_field(x: npt.ArrayLike, y: npt.ArrayLike, values: npt.ArrayLike, *, smooth: bool = False) -> SampledField:
+def raster_field(
+    x: npt.ArrayLike,
+    y: npt.ArrayLike,
+    values: npt.ArrayLike,
+    *,
+    smooth: bool = False,
+    outside: Outside = "error",
+) -> SampledField:
     """Interpolate a rectilinear raster, such as an elevation model.
 
     Bilinear (SciPy's `RegularGridInterpolator`), or `smooth`: the bicubic spline `RectBivariateSpline`, whose
@@ -133,10 +158,13 @@ def raster_field(x: npt.ArrayLike, y: npt.ArrayLike, values: npt.ArrayLike, *, s
         y: (ny,), the same.
         values: (nx, ny): the first axis is x. Images are often stored vice versa: pass their transpose.
         smooth: whether first and second derivatives must be continuous.
+        outside: whether grids with nodes outside the raster are refused (`error`), or the `nearest` value of its edge
+            counts.
 
     Raises:
         GridgenError: for other shapes, coordinates that are not in order, or samples that are not finite.
     """
+    check_choice(outside)
     axes = [real_array(axis, f"the raster's {name}") for axis, name in ((x, "x"), (y, "y"))]
     value = real_array(values, "the raster's values")
     fewest = _FEWEST_SMOOTH if smooth else 2
@@ -154,7 +182,7 @@ def raster_field(x: npt.ArrayLike, y: npt.ArrayLike, values: npt.ArrayLike, *, s
     for k in range(2):
         if axes[k][0] > axes[k][-1]:
             axes[k], value = axes[k][::-1], np.flip(value, k)
-    return _spline(axes, value) if smooth else _bilinear(axes, value)
+    return (_spline if smooth else _bilinear)(axes, value, outside)
 
 
 def nodal(cells: Array) -> Array:
@@ -175,9 +203,9 @@ def _check_finite(samples: Array, what: str) -> None:
         )
 
 
-def _triangulated(points: Array, values: Array, kind: str, *, smooth: bool) -> SampledField:
+def _triangulated(points: Array, values: Array, kind: str, outside: Outside, *, smooth: bool) -> SampledField:
     from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator
-    from scipy.spatial import Delaunay, QhullError, cKDTree
+    from scipy.spatial import ConvexHull, Delaunay, QhullError, cKDTree
 
     try:
         triangles = Delaunay(points)
@@ -185,18 +213,29 @@ def _triangulated(points: Array, values: Array, kind: str, *, smooth: bool) -> S
         raise GridgenError("samples must not all lie on one line: give points that span the plane") from error
     inside = (CloughTocher2DInterpolator if smooth else LinearNDInterpolator)(triangles, values)
     tree: Any = cKDTree(points)
+    middle, extent = points.mean(axis=0), float(np.ptp(points, axis=0).max())
 
     def value(x: Array, y: Array) -> Array:
         found: Array = inside(x, y)
         lost = np.isnan(found)
+        if lost.any():  # A point on an edge of the hull may be outside by rounding.
+            moved = [one[lost] + ROUNDING * (to - one[lost]) for one, to in zip((x, y), middle, strict=True)]
+            found[lost] = inside(*moved)
+            lost = np.isnan(found)
         if lost.any():
             found[lost] = values[tree.query(np.stack((x[lost], y[lost]), axis=-1))[1]]
         return found
 
     def covers(x: Array, y: Array) -> npt.NDArray[np.bool_]:
-        return np.asarray(triangles.find_simplex(np.stack((x, y), axis=-1)) >= 0)
+        within = np.asarray(triangles.find_simplex(np.stack((x, y), axis=-1)) >= 0)
+        if not within.all():
+            farthest = np.full(x.shape, -np.inf)
+            for a, b, c in ConvexHull(points).equations:
+                np.maximum(farthest, a * x + b * y + c, out=farthest)
+            within |= farthest <= ROUNDING * extent
+        return within
 
-    return SampledField(kind, None, value, covers)
+    return SampledField(kind, outside, None, value, covers)
 
 
 def _clipped(axes: list[Array]) -> Callable[[Array, Array], tuple[Array, Array]]:
@@ -205,7 +244,8 @@ def _clipped(axes: list[Array]) -> Callable[[Array, Array], tuple[Array, Array]]
 
 
 def _inside(axes: list[Array]) -> Callable[[Array, Array], npt.NDArray[np.bool_]]:
-    (left, right), (low, high) = ((axis[0], axis[-1]) for axis in axes)
+    slack = ROUNDING * max(float(np.ptp(axis)) for axis in axes)
+    (left, right), (low, high) = ((axis[0] - slack, axis[-1] + slack) for axis in axes)
     return lambda x, y: (x >= left) & (x <= right) & (y >= low) & (y <= high)
 
 
@@ -213,16 +253,16 @@ def _raster_kind(axes: list[Array]) -> str:
     return f"on a raster of {len(axes[0])} x {len(axes[1])} points"
 
 
-def _bilinear(axes: list[Array], values: Array) -> SampledField:
+def _bilinear(axes: list[Array], values: Array, outside: Outside) -> SampledField:
     from scipy.interpolate import RegularGridInterpolator
 
     interpolator, clip = RegularGridInterpolator(axes, values), _clipped(axes)
     return SampledField(
-        _raster_kind(axes), None, lambda x, y: interpolator(np.stack(clip(x, y), axis=-1)), _inside(axes)
+        _raster_kind(axes), outside, None, lambda x, y: interpolator(np.stack(clip(x, y), axis=-1)), _inside(axes)
     )
 
 
-def _spline(axes: list[Array], values: Array) -> SampledField:
+def _spline(axes: list[Array], values: Array, outside: Outside) -> SampledField:
     from scipy.interpolate import RectBivariateSpline
 
     spline, clip, inside = RectBivariateSpline(*axes, values), _clipped(axes), _inside(axes)
@@ -235,4 +275,4 @@ def _spline(axes: list[Array], values: Array) -> SampledField:
                 slope = np.where((position < axes[k][0]) | (position > axes[k][-1]), 0.0, slope)
         return slope
 
-    return SampledField(_raster_kind(axes), derivative, lambda x, y: spline.ev(*clip(x, y)), inside)
+    return SampledField(_raster_kind(axes), outside, derivative, lambda x, y: spline.ev(*clip(x, y)), inside)

@@ -13,7 +13,8 @@ from ..arrays import Array, real_array
 from ..errors import GridgenError, UnusableValueError, quoted
 from .formula import Formula, SymbolicFormula, is_expression
 from .function import Constant, Function, required_arguments, takes_two_arrays
-from .locations import at_nodes
+from .locations import at_nodes, first_index
+from .outside import refuse
 from .sampled import SampledField
 
 if TYPE_CHECKING:
@@ -121,6 +122,29 @@ class ScalarField:
             for one, key in zip(found, along, strict=True)
         ]
 
+    def check_samples(
+        self, x: Array, y: Array, where: str = "node", among: npt.NDArray[np.bool_] | None = None
+    ) -> None:
+        """Refuse points outside the samples, unless the nearest sample counts there.
+
+        Args:
+            x: the points.
+            y: the same.
+            where: what messages call a point.
+            among: which points must lie in the samples; by default all.
+
+        Raises:
+            UnusableValueError: naming the field, the place and the repair.
+        """
+        if isinstance(self.evaluator, SampledField) and self.evaluator.beyond == "error":
+            outside = ~self.evaluator.covers(x, y)
+            if among is not None:
+                outside &= among
+            if outside.any():
+                index = first_index(outside)
+                place = f"{where} {index}, {self.place(x, y, index)},"
+                refuse(self.name, self.evaluator.kind, place, outside, where)
+
     def outside(self, x: Array, y: Array) -> int:
         """Return the number of points outside the samples, where the nearest sample counts."""
         return self.evaluator.outside(x, y) if isinstance(self.evaluator, SampledField) else 0
@@ -183,7 +207,7 @@ def as_scalar(
         except GridgenError as error:
             raise GridgenError(f"{name}: {error}") from error
     if isinstance(given, SampledField):
-        return ScalarField(name, given, given)
+        return ScalarField(name, given, given, variables=variables)
     if callable(given):
         if not takes_two_arrays(given):
             raise GridgenError(

@@ -17,6 +17,9 @@ from ..grids import Grid
 
 #: Points are inside a cell up to this part of it: what rounding does to points on edges.
 _ROUNDING = 1e-9
+#: Points count as inside up to this part of the cell beside them: a curve that turns by 45 degrees over an edge of the
+#: grid is a tenth of the edge away from its middle.
+_CUT = 0.1
 #: Walks start at so many nodes near a point: where the domain is thin or winding, the nearest ones may be behind a
 #: boundary. On all domains of the package, adapted or not, 32 find every point.
 _STARTS = 32
@@ -47,10 +50,15 @@ class StructuredInterpolation:
         return _linear(nodal, i, j, s, t).reshape(x.shape)
 
     def covers(self, x: Array, y: Array) -> npt.NDArray[np.bool_]:
-        """Return which points lie in the grid, its boundary included."""
+        """Return which points lie in the grid, up to a tenth of the cell beside them.
+
+        Two grids of one domain cut its curves at different nodes, so that nodes of one lie a little outside the other.
+        """
         points = np.stack((x.ravel(), y.ravel()))
-        *_, distance = self._located(points)
-        return np.asarray(distance <= _ROUNDING * np.ptp(self._planes, axis=(1, 2)).max()).reshape(x.shape)
+        i, j, _, _, distance = self._located(points)
+        a, b, c, d = (self._planes[:, i + di, j + dj] for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)))
+        longest = np.max([np.hypot(*(one - other)) for one, other in ((a, b), (b, c), (c, d), (d, a))], axis=0)
+        return np.asarray(distance <= _CUT * longest).reshape(x.shape)
 
     def _located(self, points: Array) -> tuple[_Indices, _Indices, Array, Array, Array]:
         """Return the cells of points (2, n), the logical coordinates in them, and the distances of points outside."""

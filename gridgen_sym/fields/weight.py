@@ -11,6 +11,7 @@ import numpy.typing as npt
 from ..arrays import Array
 from ..errors import GridgenError, UnusableValueError, quoted
 from ..grids import Grid
+from .outside import Outside
 from .sampled import grid_field, raster_field, scattered_field
 from .scalar import ScalarField, as_scalar
 from .scalar import Source as Source
@@ -45,21 +46,36 @@ class Weight:
 
     @classmethod
     def on_grid(
-        cls, grid: Grid, values: npt.ArrayLike, mode: Mode = "frozen", *, allow_negative: bool = False
+        cls,
+        grid: Grid,
+        values: npt.ArrayLike,
+        mode: Mode = "frozen",
+        *,
+        allow_negative: bool = False,
+        outside: Outside = "error",
     ) -> Weight:
         """Return the weight that interpolates values (ni, nj) at the nodes of a grid, or (ni-1, nj-1) in its cells.
 
         Unlike an array it belongs to positions, not to nodes: a node that moves has the weight of its new position.
-        Linear if frozen, cubic if differentiated (see `grid_field`); outside the grid the nearest sample counts.
+        Linear if frozen, cubic if differentiated (see `grid_field`). Nodes outside the grid are refused, or have the
+        value of the nearest sample with `outside="nearest"`.
         """
-        return cls(grid_field(grid, values, smooth=mode == "differentiated"), mode, allow_negative)
+        sampled = grid_field(grid, values, smooth=mode == "differentiated", outside=outside)
+        return cls(sampled, mode, allow_negative)
 
     @classmethod
     def on_points(
-        cls, points: npt.ArrayLike, values: npt.ArrayLike, mode: Mode = "frozen", *, allow_negative: bool = False
+        cls,
+        points: npt.ArrayLike,
+        values: npt.ArrayLike,
+        mode: Mode = "frozen",
+        *,
+        allow_negative: bool = False,
+        outside: Outside = "error",
     ) -> Weight:
         """Return the weight that interpolates values (n,) at scattered points (n, 2), as `on_grid` does."""
-        return cls(scattered_field(points, values, smooth=mode == "differentiated"), mode, allow_negative)
+        sampled = scattered_field(points, values, smooth=mode == "differentiated", outside=outside)
+        return cls(sampled, mode, allow_negative)
 
     @classmethod
     def on_raster(
@@ -70,12 +86,14 @@ class Weight:
         mode: Mode = "frozen",
         *,
         allow_negative: bool = False,
+        outside: Outside = "error",
     ) -> Weight:
         """Return the weight that interpolates a raster: values (nx, ny) at x (nx,) and y (ny,), in order.
 
-        Bilinear if frozen, a bicubic spline if differentiated; the nearest value of the edge counts outside.
+        Bilinear if frozen, a bicubic spline if differentiated; outside as in `on_grid`.
         """
-        return cls(raster_field(x, y, values, smooth=mode == "differentiated"), mode, allow_negative)
+        sampled = raster_field(x, y, values, smooth=mode == "differentiated", outside=outside)
+        return cls(sampled, mode, allow_negative)
 
     def __post_init__(self) -> None:
         """Make the field, and check what can be checked without a grid."""
@@ -136,6 +154,10 @@ class Weight:
     def negative_nodes(self, coordinates: Array) -> int:
         """Return the number of nodes at which the weight is negative."""
         return int((self.field.values(coordinates[0], coordinates[1]) < 0).sum())
+
+    def check_samples(self, coordinates: Array, among: npt.NDArray[np.bool_] | None = None) -> None:
+        """Refuse nodes outside the samples of the weight, as `ScalarField.check_samples` does."""
+        self.field.check_samples(coordinates[0], coordinates[1], among=among)
 
     def nodes_outside(self, coordinates: Array) -> int:
         """Return the number of nodes outside the samples of the weight, where the nearest sample counts."""

@@ -16,7 +16,7 @@ from ..fields.wall_cells import wall_cells
 from ..fields.weight import Source, Weight, as_weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
-from ..grids import Grid
+from ..grids import Grid, corner_jacobians
 from ..grids.grid import check_grid
 from ..runtime import kernels
 from .logical import LogicalRectangle, Spacing
@@ -63,6 +63,8 @@ def make_problem(
     problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only, steps)
     if slide is not None:
         problem.slide = make_slide(grid, slide, problem.fixed)
+    if grid.shape == home:  # Coarser grids are only on the way.
+        problem.check_samples(grid.planes, folded=not corner_jacobians(grid.x, grid.y).min() > 0)
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem
 

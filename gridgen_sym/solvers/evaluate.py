@@ -21,6 +21,14 @@ from .binding import make_problem
 from .differentiability import missing_value
 from .linear.sparse import assemble_hessian
 from .logical import Spacing
+from .problem import Problem
+
+
+def _problem(grid: Grid, functional: str | Functional, **given: Any) -> Problem:  # noqa: ANN401
+    """Bind a functional to a grid, all nodes of which must lie in the samples of what it is given."""
+    problem = make_problem(grid, functional, **given)
+    problem.check_samples(grid.planes)
+    return problem
 
 
 @renamed_arguments(name="functional")
@@ -43,7 +51,7 @@ def energy(
     square (`spacing="unit"`) it tends to 4 `corner_factor` times the integral of the density as the grid is refined.
     With `spacing="index"` the steps are 1, as in the paper's sums. The other arguments are as in `optimize`, too.
     """
-    problem = make_problem(
+    problem = _problem(
         grid,
         functional,
         weight=weight,
@@ -83,7 +91,7 @@ def gradient(
 
     An array (ni, nj, 2), zero at fixed nodes.
     """
-    problem = make_problem(
+    problem = _problem(
         grid,
         functional,
         weight=weight,
@@ -120,7 +128,7 @@ def hessian(
     Component c of the k-th free node (in the order of the array, eta running fastest) is unknown 2 k + c. With
     `semidefinite`, the positive semidefinite part that the derivation splits off. See `energy` for the rest.
     """
-    problem = make_problem(
+    problem = _problem(
         grid,
         functional,
         weight=weight,

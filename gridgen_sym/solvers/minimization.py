@@ -12,6 +12,7 @@ from ..boundary.predicates import area_sign
 from ..boundary.sides import Sides
 from ..boundary.wall import NO_WALLS, Wall, asked_heights
 from ..certificates import Certificate, certificates
+from ..errors import UnusableValueError
 from ..functionals.definition import Functional
 from ..grids import Change, Grid, Measures, corner_jacobians, folded_corners, quality
 from ..grids.grid import boundary_indices
@@ -182,7 +183,7 @@ class Run:
         change = self._change(grid)
         slides = self.problem.slide.caution(self.coordinates) if self.problem.slide else ""
         remarks = self.problem.caution(self.coordinates) + self.remark + slides + f" {change.warning}".rstrip()
-        return Result(
+        found = Result(
             grid=grid,
             converged=outcome.converged,
             status=status,
@@ -195,6 +196,18 @@ class Run:
             logical_area=self.problem.logical_area,
             change=change,
         )
+        if smallest > 0:
+            self._check_samples(found)
+        return found
+
+    def _check_samples(self, found: Result) -> None:
+        """Refuse a valid result with nodes outside the samples of a field: what was minimized there is not known."""
+        try:
+            self.problem.check_samples(self.coordinates)
+        except UnusableValueError as error:
+            error.result = found  # type: ignore[attr-defined]
+            error.add_note("Nodes came there on the way; the attribute 'result' of this error holds the grid.")
+            raise
 
     def _change(self, grid: Grid) -> Change:
         """Return the measures of the start and of the grid that it became."""

@@ -84,6 +84,17 @@ class Problem:
         """Return whether everything that the density is given can be evaluated at coordinates."""
         return self.inputs is None or self.inputs.exists(coordinates, self.kernels.planes)
 
+    def check_samples(self, coordinates: Array, *, folded: bool = False) -> None:
+        """Refuse nodes outside the samples of what the density is given.
+
+        The inner nodes of a `folded` grid may be anywhere, and are not looked at.
+
+        Raises:
+            UnusableValueError: naming the field, the node and the repair.
+        """
+        if self.inputs is not None:
+            self.inputs.check_samples(coordinates, self.fixed != 0 if folded else None)
+
     def energy(self, coordinates: Array) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian."""
         energy, smallest = self.kernels.energy(

@@ -331,9 +331,9 @@ def test_a_callback_and_a_time_limit_end_a_run():
     assert late.quality.valid
 
 
-def test_nodes_outside_the_samples_are_reported():
+def test_nodes_outside_the_samples_are_reported_where_the_nearest_counts():
     axis = np.linspace(0.3, 0.7, 9)
-    field = gg.Field.on_raster(axis, axis, np.ones((9, 9)))
+    field = gg.Field.on_raster(axis, axis, np.ones((9, 9)), outside="nearest")
     result = gg.optimize(mild_grid(), CONTROLLED, fields={"p": field, "q": 1})
     assert "nodes lie outside the samples of the field p: the nearest sample counts there." in result.message
 

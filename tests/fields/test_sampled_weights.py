@@ -100,7 +100,8 @@ def test_outside_the_nearest_sample_counts_and_results_say_so(mode):
     axis = np.linspace(0.2, 0.8, 9)
     values = np.add.outer(1 + axis, 2 * axis)
     points = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
-    for weight in (gg.Weight.on_raster(axis, axis, values, mode), gg.Weight.on_points(points, values.ravel(), mode)):
+    raster = gg.Weight.on_raster(axis, axis, values, mode, outside="nearest")
+    for weight in (raster, gg.Weight.on_points(points, values.ravel(), mode, outside="nearest")):
         there = weight.planes(np.array([[[0.0, 0.5]], [[0.0, 0.5]]]), ("s",))[0]
         np.testing.assert_allclose(there, [[1.6, 2.5]], rtol=1e-6)
         result = gg.optimize(gg.domain("square", 9, 9), "combined", weight=weight, max_iterations=3)
