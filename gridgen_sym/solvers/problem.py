@@ -17,7 +17,6 @@ from .linear.solution import LinearSolver
 from .linear.systems import hessian_solver
 from .norms import mean_edge_length, norm_of, shortest_edges
 from .sliding.slide import Slide
-from .sliding.solver import RingedSolver
 
 
 @dataclass(slots=True)
@@ -130,9 +129,8 @@ class Problem:
 
     def solver(self) -> LinearSolver:
         """Return what solves the linear systems of Newton's method."""
-        if self.slide is None:
-            return hessian_solver(self.fixed, self.kernels.backend)
-        return RingedSolver(self.slide.mask(self.fixed), self.kernels.backend)
+        unknown = self.fixed if self.slide is None else self.slide.mask(self.fixed)
+        return hessian_solver(unknown, self.kernels.backend)
 
     def hessian(self, coordinates: Array, *, semidefinite: bool = False, out: Array | None = None) -> Array:
         """Return the stored half of the Hessian (19, ni, nj); entries of fixed nodes are not removed.

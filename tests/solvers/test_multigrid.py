@@ -114,6 +114,35 @@ def test_conjugate_gradients_solve_with_the_hessian(shape):
     assert np.linalg.norm(residual) <= 1e-9 * np.linalg.norm(right)
 
 
+def free_boundary(shape, sides):
+    """A mask in which sides, without their corners, have unknowns, too."""
+    fixed = np.ones(shape, dtype=np.uint8)
+    fixed[1:-1, 1:-1] = 0
+    inner = {"left": np.s_[0, 1:-1], "right": np.s_[-1, 1:-1], "bottom": np.s_[1:-1, 0], "top": np.s_[1:-1, -1]}
+    for side in sides:
+        fixed[inner[side]] = 0
+    return fixed
+
+
+@pytest.mark.parametrize("sides", [("left",), ("top",), ("right", "bottom"), ("left", "right", "bottom", "top")])
+@pytest.mark.parametrize("shape", [(9, 12), (33, 64), (64, 65), (5, 30)], ids=str)
+def test_sides_may_have_unknowns(shape, sides):
+    planes, _ = hessian(shape)
+    fixed = free_boundary(shape, sides)
+    planes[0] += 1e-3 * planes[0].mean()
+    planes[2] += 1e-3 * planes[2].mean()
+    multigrid = Multigrid(fixed)
+    assert multigrid.set_operator(planes.copy())
+    right = np.random.default_rng(0).normal(size=(2, *shape)) * (fixed == 0)
+    solution = multigrid.solve(right, 1e-6)
+    assert solution.positive
+    assert solution.iterations <= 10
+    matrix = assemble_hessian(planes, fixed)
+    residual = matrix @ to_vector(solution.vector, fixed) - to_vector(right, fixed)
+    assert np.linalg.norm(residual) <= 1e-4 * np.linalg.norm(right)
+    assert not solution.vector[:, fixed != 0].any()
+
+
 @pytest.mark.parametrize("shape", [(9, 12), (7, 200), (64, 65)], ids=str)
 def test_bicgstab_solves_with_the_jacobian(shape):
     planes, fixed = jacobian(shape)

@@ -35,7 +35,7 @@ class _Krylov(Hierarchy):
         """
         if not super().set_operator(planes):
             return False
-        work, field = self.vectors * self.arrays[0].right.size + self.sums * planes.shape[1], planes[:2]
+        work, field = self.vectors * self.arrays[0].vector_size + self.sums * planes.shape[1], planes[:2]
         block = planes.ravel() if planes.size >= field.size + work else np.empty(field.size + work)
         self._solution, self._work = block[: field.size].reshape(field.shape), block[field.size :]
         return True

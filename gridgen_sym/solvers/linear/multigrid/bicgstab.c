@@ -8,8 +8,9 @@ typedef struct {
 } Vectors;
 
 static Vectors vectors_in(const Level *level, double *work) {
-  const int64_t size = 2 * level->ni * level->stride;
+  const int64_t size = vector_size(level);
   double *sums = work + 6 * size;
+  work += BEFORE * 2 * level->stride;
   return (Vectors){work,            work + size,     work + 2 * size, work + 3 * size,
                    work + 4 * size, work + 5 * size, sums,            sums + level->ni};
 }
@@ -36,7 +37,7 @@ static double apply(const Level *levels, int64_t count, Team team, const double 
   v_cycle(levels, count, team);
   ROWS(levels, team, i)
     row[i] = multiply_row(levels->operator+ i * PLANES * S, levels->solution + i * width, with + i * width,
-                          result + i * width, levels->nj, S);
+                          result + i * width, levels->begin_j, levels->end_j, S);
   return total(levels, team, row);
 }
 
@@ -63,7 +64,8 @@ static double restart(const Level *level, Team team, Vectors w, const double *ri
   take_vector(level, team, right, w.r);
   ROWS(level, team, i) {
     const int64_t n = i * width;
-    multiply_double_row(level->operator+ i * PLANES * S, w.x + n, w.r + n, w.t + n, level->nj, S);
+    multiply_double_row(level->operator+ i * PLANES * S, w.x + n, w.r + n, w.t + n, level->begin_j,
+                        level->end_j, S);
     for (int64_t k = n; k < n + width; ++k) w.r[k] -= w.t[k], w.shadow[k] = w.r[k];
   }
   return inner(level, team, w.r, w.r, w.first);

@@ -8,8 +8,9 @@ typedef struct {
 } Vectors;
 
 static Vectors vectors_in(const Level *level, double *work) {
-  const int64_t size = 2 * level->ni * level->stride, ni = level->ni;
+  const int64_t size = vector_size(level), ni = level->ni;
   double *sums = work + 4 * size;
+  work += BEFORE * 2 * level->stride;
   return (Vectors){work, work + size, work + 2 * size, work + 3 * size, sums, sums + ni, sums + 2 * ni};
 }
 
@@ -65,7 +66,8 @@ static double curvature_along(const Level *level, Team team, Vectors v, double b
   wait_for(team);
   ROWS(level, team, i) {
     const double *p = v.p + i * width;
-    v.curvatures[i] = multiply_row(level->operator+ i * PLANES * S, p, p, v.q + i * width, level->nj, S);
+    v.curvatures[i] = multiply_row(level->operator+ i * PLANES * S, p, p, v.q + i * width, level->begin_j,
+                                   level->end_j, S);
   }
   return total(level, team, v.curvatures);
 }

@@ -4,10 +4,10 @@ enum { COARSEST_SWEEPS = 4 };
 
 /* The residual of a row, in its place of `work`. */
 APART void residual_row(const float *restrict a, const float *restrict right, const float *restrict x,
-                        float *restrict residual, int64_t nj, int64_t S) {
+                        float *restrict residual, int64_t begin, int64_t end, int64_t S) {
   UNUSED const int64_t R = PLANES * S;
 #pragma omp simd
-  for (int64_t j = 1; j < nj - 1; ++j) {
+  for (int64_t j = begin; j < end; ++j) {
     float sx = OWN(a, 0) * x[j] + OWN(a, 1) * x[S + j], sy = OWN(a, 2) * x[j] + OWN(a, 3) * x[S + j];
     COUPLE(0, 1, 0)
     COUPLE(1, 0, 1)
@@ -21,36 +21,43 @@ static void compute_residual(const Level *level, Team team) {
   const int64_t S = level->stride, V = 2 * S;
   ROWS(level, team, i)
     residual_row(level->operator+ i * PLANES * S, level->right + i * V, level->solution + i * V, level->work + i * V,
-                 level->nj, S);
+                 level->begin_j, level->end_j, S);
   wait_for(team);
 }
 
-/* The transposed interpolation of two rows where the rows were halved. */
-APART void gather_rows(const float *restrict low, const float *restrict high, float *restrict middle, int64_t count) {
+/* The transposed interpolation of two rows where the rows were halved, with their weights. */
+APART void gather_rows(const float *restrict low, const float *restrict high, float *restrict middle, int64_t count,
+                       float below, float above) {
 #pragma omp simd
-  for (int64_t j = 0; j < count; ++j) middle[j] += 0.5f * (low[j] + high[j]);
+  for (int64_t j = 0; j < count; ++j) middle[j] += below * low[j] + above * high[j];
 }
 
 /* The same along a row, where the columns were halved. */
-APART void gather_columns(const float *restrict from, float *restrict to, int64_t nj) {
+APART void gather_columns(const float *restrict from, float *restrict to, int64_t fine_nj, int64_t nj) {
+  const float last = 0.5f * (float)node_between(nj - 2, nj, fine_nj);
+  to[0] = from[0] + 0.5f * from[1];
 #pragma omp simd
-  for (int64_t j = 1; j < nj - 1; ++j) to[j] = from[2 * j] + 0.5f * (from[2 * j - 1] + from[2 * j + 1]);
+  for (int64_t j = 1; j < nj - 2; ++j) to[j] = from[2 * j] + 0.5f * (from[2 * j - 1] + from[2 * j + 1]);
+  to[nj - 2] = from[2 * (nj - 2)] + 0.5f * from[2 * nj - 5] + last * from[2 * nj - 3];
+  to[nj - 1] = from[fine_nj - 1] + last * from[fine_nj - 2];
 }
 
-/* The coarse right-hand side is the transposed interpolation of the residual, which is changed. Where the last two coarse
- * rows or columns are neighbors on the fine level, what lies beyond the last but one is the boundary, with residual 0. */
+/* The coarse right-hand side is the transposed interpolation of the residual, which is changed. The last two coarse rows
+ * or columns may be neighbors on the fine level. */
 static void restrict_residual(const Level *fine, const Level *coarse, Team team) {
-  const int64_t S = fine->stride, C = coarse->stride, nj = coarse->nj;
+  const int64_t S = fine->stride, C = coarse->stride, ni = coarse->ni, nj = coarse->nj;
   ROWS(coarse, team, i) {
-    float *row = fine->work + 2 * S * fine_index(i, coarse->ni, fine->ni), *to = coarse->right + 2 * C * i;
-    const uint8_t *fixed = coarse->fixed + i * nj;
-    if (coarse->ni != fine->ni) gather_rows(row - 2 * S, row + 2 * S, row, 2 * S);
+    float *row = fine->work + 2 * S * fine_index(i, ni, fine->ni), *to = coarse->right + 2 * C * i;
+    const uint8_t *fixed = fixed_row(coarse, i);
+    const float below = 0.5f * (float)node_between(i - 1, ni, fine->ni);
+    if (ni != fine->ni)
+      gather_rows(row - 2 * S, row + 2 * S, row, 2 * S, below, 0.5f * (float)node_between(i, ni, fine->ni));
     for (int c = 0; c < 2; ++c) {
       if (nj == fine->nj)
-        memcpy(to + c * C + 1, row + c * S + 1, (size_t)(nj - 2) * sizeof(float));
+        memcpy(to + c * C, row + c * S, (size_t)nj * sizeof(float));
       else
-        gather_columns(row + c * S, to + c * C, nj);
-      for (int64_t j = 1; j < nj - 1; ++j) to[c * C + j] = fixed[j] ? 0.0f : to[c * C + j];
+        gather_columns(row + c * S, to + c * C, fine->nj, nj);
+      for (int64_t j = 0; j < nj; ++j) to[c * C + j] = fixed[j] ? 0.0f : to[c * C + j];
     }
   }
   wait_for(team);
@@ -58,28 +65,30 @@ static void restrict_residual(const Level *fine, const Level *coarse, Team team)
 
 /* Add to a fine row the mean of two coarse rows, interpolated along j where the columns were halved. */
 APART void correct_row(const float *restrict low, const float *restrict high, float *restrict to,
-                       const uint8_t *restrict fixed, int64_t nj, int halved) {
-  if (!halved) {
+                       const uint8_t *restrict fixed, int64_t nj, int64_t coarse_nj) {
+  if (nj == coarse_nj) {
 #pragma omp simd
-    for (int64_t j = 1; j < nj - 1; ++j) to[j] += fixed[j] ? 0.0f : 0.5f * (low[j] + high[j]);
+    for (int64_t j = 0; j < nj; ++j) to[j] += fixed[j] ? 0.0f : 0.5f * (low[j] + high[j]);
     return;
   }
 #pragma omp simd
-  for (int64_t k = 1; k < nj / 2; ++k) to[2 * k] += fixed[2 * k] ? 0.0f : 0.5f * (low[k] + high[k]);
+  for (int64_t k = 0; k < nj / 2; ++k) to[2 * k] += fixed[2 * k] ? 0.0f : 0.5f * (low[k] + high[k]);
 #pragma omp simd
   for (int64_t k = 0; k < (nj - 1) / 2; ++k)
     to[2 * k + 1] += fixed[2 * k + 1] ? 0.0f : 0.25f * (low[k] + low[k + 1] + high[k] + high[k + 1]);
+  if (!fixed[nj - 1]) to[nj - 1] += 0.5f * (low[coarse_nj - 1] + high[coarse_nj - 1]);
 }
 
 /* Add the bilinear interpolation of the coarse solution. */
 static void correct(const Level *coarse, const Level *fine, Team team) {
   const int64_t S = fine->stride, C = coarse->stride;
-  const int halve_i = coarse->ni != fine->ni, halve_j = coarse->nj != fine->nj;
+  const int halve_i = coarse->ni != fine->ni;
   ROWS(fine, team, i) {
-    const int64_t low = halve_i ? i / 2 : i, high = halve_i ? low + (i % 2) : i;
+    const int last = halve_i && i == fine->ni - 1;
+    const int64_t low = last ? coarse->ni - 1 : halve_i ? i / 2 : i, high = halve_i && !last ? low + (i % 2) : low;
     for (int c = 0; c < 2; ++c)
       correct_row(coarse->solution + (2 * low + c) * C, coarse->solution + (2 * high + c) * C,
-                  fine->solution + (2 * i + c) * S, fine->fixed + i * fine->nj, fine->nj, halve_j);
+                  fine->solution + (2 * i + c) * S, fixed_row(fine, i), fine->nj, coarse->nj);
   }
   wait_for(team);
 }

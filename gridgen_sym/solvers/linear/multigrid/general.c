@@ -34,7 +34,7 @@ APART void coarsen_row(const float *restrict a, float *restrict c, int64_t nj, i
   for (int part = 0; part < 12; ++part) {
     const float *down = a + part * S, *middle = down + 12 * S, *up = down + 24 * S;
     float *to = c + part * S;
-    for (int64_t j = 1; j < nj - 1; ++j) {
+    for (int64_t j = 0; j < nj; ++j) {
       float self = middle[j], forth = up[j], back = down[j];
       if (above) {
         self += 0.5f * (up[j] + down[R + j]) + 0.25f * middle[R + j];

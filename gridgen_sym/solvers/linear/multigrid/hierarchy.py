@@ -21,6 +21,8 @@ _WEAK = 0.25
 _ROWS = 64
 #: Rows begin at multiples of this many numbers, odd ones, so that rows do not fall into the same cache lines.
 _ALIGNMENT = 16
+#: Rows of the margin before the first one, two so that a column before its first node exists, and after the last.
+MARGIN = (2, 1)
 
 
 class _Layout(NamedTuple):
@@ -46,7 +48,10 @@ _LAYOUTS: dict[Stencil, _Layout] = {
 
 @dataclass(frozen=True, slots=True)
 class LevelArrays:
-    """The memory of one level, in single precision: (ni, number of entries, stride) each."""
+    """The memory of one level, in single precision: (ni, number of entries, stride) each.
+
+    All are views of arrays with a margin of zeros, and of fixed nodes in the mask: see `MARGIN`.
+    """
 
     fixed: Mask
     operator: Any
@@ -58,19 +63,32 @@ class LevelArrays:
 
     @classmethod
     def allocate(cls, fixed: Mask, layout: _Layout) -> LevelArrays:
-        """Allocate for the nodes of a mask; vectors are zero at the boundary, and stay so."""
+        """Allocate for the nodes of a mask."""
         ni, nj = fixed.shape
-        stride = (-(-nj // _ALIGNMENT) | 1) * _ALIGNMENT
-        operator, along_i, along_j = (
-            np.empty((ni, count, stride), dtype=np.float32) for count in (layout.planes, layout.pivots, layout.pivots)
-        )
-        return cls(fixed, operator, along_i, along_j, *(np.zeros((ni, 2, stride), dtype=np.float32) for _ in range(3)))
+        stride = (-(-(nj + 1) // _ALIGNMENT) | 1) * _ALIGNMENT
+        rows = ni + sum(MARGIN)
+        counts = layout.planes, layout.pivots, layout.pivots, 2, 2, 2
+        arrays = (np.zeros((rows, count, stride), dtype=np.float32)[MARGIN[0] : -MARGIN[1]] for count in counts)
+        return cls(np.pad(fixed, 1, constant_values=1)[1:-1, 1:-1], *arrays)
 
     def level(self) -> Level:
         """Return it as the compiled code sees it."""
-        arrays = self.operator, self.pivots_i, self.pivots_j, self.right, self.solution, self.work, self.fixed
-        threads, pointers = threads_for(self.fixed.size), (array.ctypes.data for array in arrays)
-        return Level(*self.fixed.shape, self.operator.shape[2], threads, *pointers)
+        mask, stride = self.fixed, self.operator.shape[2]
+        arrays = self.operator, self.pivots_i, self.pivots_j, self.right, self.solution, self.work, mask
+        pointers = (array.ctypes.data for array in arrays)
+        return Level(*mask.shape, stride, threads_for(mask.size), *pointers, *_span(mask, 0), *_span(mask, 1))
+
+    @property
+    def vector_size(self) -> int:
+        """How many numbers a vector has, with its margin."""
+        return int((self.right.shape[0] + sum(MARGIN)) * self.right[0].size)
+
+
+def _span(mask: Mask, axis: int) -> tuple[int, int]:
+    """Return the first and the last, plus one, of the rows or columns with nodes that are not fixed: a side or not."""
+    count = mask.shape[axis]
+    first, last = (bool(mask.take(at, axis).all()) for at in (0, count - 1))
+    return int(first), count - int(last)
 
 
 class Hierarchy:
@@ -86,7 +104,7 @@ class Hierarchy:
     stencil: Stencil
 
     def __init__(self, fixed: Mask) -> None:
-        """Keep the fixed nodes, the boundary among them."""
+        """Keep the fixed nodes."""
         self.library = load_library(self.stencil)
         self.arrays: list[LevelArrays] = []
         self.levels: Any = None
@@ -117,7 +135,7 @@ class Hierarchy:
         """Choose and set up the levels: a direction is halved unless its couplings are the far weaker ones."""
         self.arrays = [LevelArrays.allocate(self._fixed, self._layout)]
         levels = [self.arrays[0].level()]
-        self._rows = np.empty(levels[0].threads * self.arrays[0].operator[0].size, dtype=np.float32)
+        self._rows = np.zeros(levels[0].threads * self.arrays[0].operator[0].size, dtype=np.float32)
         self.library.take_planes(ctypes.byref(levels[0]), planes.ctypes.data, 1 / self.size)
         while max(self.arrays[-1].fixed.shape) > _COARSEST:
             fine = self.arrays[-1]

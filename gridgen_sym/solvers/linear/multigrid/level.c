@@ -3,7 +3,8 @@
  * Nothing here knows a functional: a stencil comes from a generated kernel, as planes in double precision. It is kept in
  * single precision, which is half of the memory to read; Newton's method needs no better. Rows of nodes are `stride`
  * numbers apart and stand together for all entries and components: row i of an operator is PLANES rows of numbers, that
- * of a vector two, x and y. Nodes on the edge are fixed, and couplings with fixed nodes are zero.
+ * of a vector two, x and y. Couplings with fixed nodes are zero. Around the grid is a margin of zeros, of a row and a column
+ * on each side: rows are longer than the grid, so that the column before the first is the end of the row before.
  */
 #define _POSIX_C_SOURCE 200112L /* sched_yield */
 #ifdef __clang__
@@ -46,8 +47,12 @@ typedef struct {
   float *operator;            /* PLANES per row */
   float *pivots_i, *pivots_j; /* PIVOTS per row: inverse pivots of the lines along i and along j */
   float *right, *solution, *work; /* vectors */
-  const uint8_t *fixed;       /* (ni, nj) */
+  const uint8_t *fixed;       /* at node (0, 0), in rows of nj + 2: fixed nodes, and the margin, are 1 */
+  int64_t begin_i, end_i, begin_j, end_j; /* the rows and columns with nodes that are not fixed */
 } Level;
+
+/* The mask of a row. */
+INLINE const uint8_t *fixed_row(const Level *level, int64_t i) { return level->fixed + i * (level->nj + 2); }
 
 /* Where threads wait for each other: how many have come, and how often all have. */
 typedef struct {
@@ -92,8 +97,9 @@ INLINE void wait_for(Team team) {
 /* Where the part of a thread begins among `count` things; that of the next rank is where it ends. */
 INLINE int64_t share(int64_t count, int64_t rank, int64_t size) { return count * rank / size; }
 
-/* Inner rows of a level that belong to a thread, i from `begin` up to `end`. */
+/* Rows of a level, of those with unknowns, that belong to a thread. */
 #define ROWS(level, team, i)                                                                                 \
-  for (int64_t i = 1 + share((level)->ni - 2, (team).rank, (team).size),                                     \
-               i##_end = 1 + share((level)->ni - 2, (team).rank + 1, (team).size);                           \
+  for (int64_t i##_count = (level)->end_i - (level)->begin_i,                                                \
+               i = (level)->begin_i + share(i##_count, (team).rank, (team).size),                            \
+               i##_end = (level)->begin_i + share(i##_count, (team).rank + 1, (team).size);                  \
        i < i##_end; ++i)

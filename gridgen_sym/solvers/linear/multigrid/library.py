@@ -26,6 +26,7 @@ class Level(ctypes.Structure):
             (name, ctypes.c_void_p)
             for name in ("operator", "pivots_i", "pivots_j", "right", "solution", "work", "fixed")
         ),
+        *((name, ctypes.c_int64) for name in ("begin_i", "end_i", "begin_j", "end_j")),
     )
 
 

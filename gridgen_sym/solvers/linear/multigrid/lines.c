@@ -10,14 +10,14 @@
 
 /* r of a row; where the solution is zero off the lines, only the right-hand side. */
 APART void line_right(const float *restrict a, const float *restrict right, const float *restrict x, float *restrict r,
-                      int64_t nj, int64_t S, int from_zero) {
+                      int64_t begin, int64_t end, int64_t S, int from_zero) {
   UNUSED const int64_t R = PLANES * S;
   if (from_zero) {
     memcpy(r, right, (size_t)(2 * S) * sizeof(float));
     return;
   }
 #pragma omp simd
-  for (int64_t j = 1; j < nj - 1; ++j) {
+  for (int64_t j = begin; j < end; ++j) {
     float sx = 0.0f, sy = 0.0f;
     COUPLE(0, 1, 0)
     COUPLE(2, 1, 1)
@@ -28,11 +28,12 @@ APART void line_right(const float *restrict a, const float *restrict right, cons
 
 /* Solve the lines of `rows` rows i, i + 2, ...; side by side, since each step waits for the one before. */
 INLINE void solve_rows(const Level *level, int64_t i, int rows) {
-  const int64_t nj = level->nj, S = level->stride, A = 2 * PLANES * S, P = 2 * PIVOTS * S, V = 4 * S;
+  const int64_t begin = level->begin_j, end = level->end_j;
+  const int64_t S = level->stride, A = 2 * PLANES * S, P = 2 * PIVOTS * S, V = 4 * S;
   const float *restrict a = level->operator+ i * PLANES * S, *restrict p = level->pivots_j + i * PIVOTS * S;
   float *restrict g = level->work + 2 * i * S, *restrict x = level->solution + 2 * i * S;
   float last_x[4] = {0.0f}, last_y[4] = {0.0f};
-  for (int64_t j = 1; j < nj - 1; ++j)
+  for (int64_t j = begin; j < end; ++j)
     for (int k = 0; k < rows; ++k) {
       const float *b = a + k * A, *q = p + k * P;
       const float rx = g[k * V + j] - PREVIOUS_J(b, 0) * last_x[k] - PREVIOUS_J(b, 1) * last_y[k];
@@ -41,7 +42,7 @@ INLINE void solve_rows(const Level *level, int64_t i, int rows) {
       g[k * V + S + j] = last_y[k] = PIVOT(q, 2) * rx + PIVOT(q, 3) * ry;
     }
   for (int k = 0; k < rows; ++k) last_x[k] = last_y[k] = 0.0f;
-  for (int64_t j = nj - 2; j > 0; --j)
+  for (int64_t j = end - 1; j >= begin; --j)
     for (int k = 0; k < rows; ++k) {
       const float *b = a + k * A, *q = p + k * P;
       const float ux = NEXT_J(b, 0) * last_x[k] + NEXT_J(b, 1) * last_y[k];
@@ -51,22 +52,22 @@ INLINE void solve_rows(const Level *level, int64_t i, int rows) {
     }
 }
 
-/* Relax the lines along j in rows 1 + parity, 3 + parity, ... */
+/* Relax the lines along j, every second one: from the first or from the second on. */
 static void relax_along_j(const Level *level, Team team, int parity, int from_zero) {
-  const int64_t S = level->stride, lines = (level->ni - 1 - parity) / 2;
+  const int64_t S = level->stride, first = level->begin_i + parity, lines = (level->end_i - first + 1) / 2;
   int64_t line = share(lines, team.rank, team.size);
   const int64_t end = share(lines, team.rank + 1, team.size);
   while (line < end) {
     const int rows = line + 4 <= end ? 4 : 1;
     for (int64_t k = line; k < line + rows; ++k) {
-      const int64_t i = 1 + parity + 2 * k;
+      const int64_t i = first + 2 * k;
       line_right(level->operator+ i * PLANES * S, level->right + 2 * i * S, level->solution + 2 * i * S,
-                 level->work + 2 * i * S, level->nj, S, from_zero);
+                 level->work + 2 * i * S, level->begin_j, level->end_j, S, from_zero);
     }
     if (rows == 4)
-      solve_rows(level, 1 + parity + 2 * line, 4);
+      solve_rows(level, first + 2 * line, 4);
     else
-      solve_rows(level, 1 + parity + 2 * line, 1);
+      solve_rows(level, first + 2 * line, 1);
     line += rows;
   }
   wait_for(team);
@@ -104,20 +105,20 @@ APART void substitute_row(const float *restrict a, const float *restrict p, cons
   }
 }
 
-/* Relax the lines along i in columns 1 + parity, 3 + parity, ... A thread goes from the first to the last of its own: the
+/* Relax the lines along i, every second one. A thread goes from the first to the last of its own columns: the
  * columns of others that it reads next to them are not written meanwhile. */
 static void relax_along_i(const Level *level, Team team, int parity) {
-  const int64_t ni = level->ni, S = level->stride, V = 2 * S;
-  int64_t begin = 1 + share(level->nj - 2, team.rank, team.size);
-  int64_t end = 1 + share(level->nj - 2, team.rank + 1, team.size);
-  begin += (begin + 1 + parity) % 2;
+  const int64_t S = level->stride, V = 2 * S, columns = level->end_j - level->begin_j;
+  int64_t begin = share(columns, team.rank, team.size), end = share(columns, team.rank + 1, team.size);
+  begin += level->begin_j + (begin + parity) % 2;
+  end += level->begin_j;
   end -= (end - begin) % 2 == 0;
-  for (int64_t i = 1; i < ni - 1; ++i) {
+  for (int64_t i = level->begin_i; i < level->end_i; ++i) {
     float *g = level->work + i * V;
     eliminate_row(level->operator+ i * PLANES * S, level->pivots_i + i * PIVOTS * S, level->right + i * V,
                   level->solution + i * V, g - V, g, begin, end, S);
   }
-  for (int64_t i = ni - 2; i > 0; --i) {
+  for (int64_t i = level->end_i - 1; i >= level->begin_i; --i) {
     float *x = level->solution + i * V;
     substitute_row(level->operator+ i * PLANES * S, level->pivots_i + i * PIVOTS * S, level->work + i * V, x + V, x, begin,
                    end, S);

@@ -15,50 +15,54 @@ INLINE int node_between(int64_t coarse, int64_t coarse_count, int64_t fine_count
 /* Set the finest operator: planes (PLANES, ni, nj) times a factor, without couplings to fixed nodes. */
 EXPORT void take_planes(const Level *level, const double *planes, double factor) {
   const int64_t ni = level->ni, nj = level->nj, S = level->stride, R = PLANES * S;
-  memset(level->operator, 0, (size_t)R * sizeof(float));
-  memset(level->operator + (ni - 1) * R, 0, (size_t)R * sizeof(float));
   WITH_TEAM(team, level->threads)
     ROWS(level, team, i)
       for (int plane = 0; plane < PLANES; ++plane) {
         int64_t di, dj;
         neighbor_of(plane, &di, &dj);
-        const uint8_t *restrict here = level->fixed + i * nj, *restrict there = here + di * nj + dj;
+        const uint8_t *restrict here = fixed_row(level, i), *restrict there = fixed_row(level, i + di) + dj;
         const double *restrict from = planes + (plane * ni + i) * nj;
         float *restrict to = level->operator+ i * R + plane * S;
-        to[0] = to[nj - 1] = 0.0f;
-        for (int64_t j = 1; j < nj - 1; ++j) to[j] = (here[j] | there[j]) ? 0.0f : (float)(factor * from[j]);
+        for (int64_t j = 0; j < nj; ++j) to[j] = (here[j] | there[j]) ? 0.0f : (float)(factor * from[j]);
       }
 }
 
 /* Nearly all coarse columns lie two fine ones apart. */
 APART void coarsen_along_j(const float *restrict from, float *restrict to, int64_t fine_nj, int64_t nj, int64_t S,
                            int64_t C) {
+  const int last = node_between(nj - 2, nj, fine_nj);
+  coarsen_node(from, to, S, C, node_between(0, nj, fine_nj), 0);
 #pragma omp simd
   for (int64_t j = 1; j < nj - 2; ++j) coarsen_node(from + 2 * j, to + j, S, C, 1, 1);
-  coarsen_node(from + 2 * (nj - 2), to + nj - 2, S, C, node_between(nj - 2, nj, fine_nj), 1);
+  if (nj > 2) coarsen_node(from + 2 * (nj - 2), to + nj - 2, S, C, last, 1);
+  coarsen_node(from + fine_nj - 1, to + nj - 1, S, C, 0, last);
 }
 
-/* Cut the couplings of a row with fixed nodes: these get no correction, so nothing of them may enter a residual. */
-static void cut_fixed(const Level *level, int64_t i) {
-  const int64_t nj = level->nj, S = level->stride;
-  const uint8_t *fixed = level->fixed + i * nj;
-  const size_t inner = (size_t)(nj - 2);
-  if (!memchr(fixed - nj + 1, 1, inner) && !memchr(fixed + 1, 1, inner) && !memchr(fixed + nj + 1, 1, inner)) return;
+/* Cut the couplings with fixed nodes in the columns `begin` to `end` of a row. */
+static void cut_columns(const Level *level, int64_t i, int64_t begin, int64_t end) {
   for (int plane = 0; plane < PLANES; ++plane) {
     int64_t di, dj;
     neighbor_of(plane, &di, &dj);
-    const uint8_t *there = fixed + di * nj + dj;
-    float *row = level->operator+ (i * PLANES + plane) * S;
-    for (int64_t j = 1; j < nj - 1; ++j) row[j] = (fixed[j] | there[j]) ? 0.0f : row[j];
+    const uint8_t *fixed = fixed_row(level, i), *there = fixed_row(level, i + di) + dj;
+    float *row = level->operator+ (i * PLANES + plane) * level->stride;
+    for (int64_t j = begin; j < end; ++j) row[j] = (fixed[j] | there[j]) ? 0.0f : row[j];
   }
 }
 
-/* Set Galerkin's operator, with bilinear interpolation, one direction after the other. The nodes of the boundary are
- * coupled with nothing. `rows` has PLANES fine rows for every thread of the fine level. */
+/* The same for a whole row: fixed nodes get no correction, so nothing of them may enter a residual. */
+static void cut_fixed(const Level *level, int64_t i) {
+  const int64_t begin = level->begin_j, end = level->end_j;
+  int some = 0;
+  for (int64_t row = i - 1; row <= i + 1; ++row)
+    some |= memchr(fixed_row(level, row) + begin, 1, (size_t)(end - begin)) != 0;
+  cut_columns(level, i, 0, some ? level->nj : begin + 1);
+  if (!some) cut_columns(level, i, end - 1, level->nj);
+}
+
+/* Set Galerkin's operator, with bilinear interpolation, one direction after the other. `rows` has PLANES fine rows for
+ * every thread of the fine level, and is zero where they are longer than the grid. */
 EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
   const int64_t S = fine->stride, C = coarse->stride, ni = coarse->ni, nj = coarse->nj;
-  memset(coarse->operator, 0, (size_t)(PLANES * C) * sizeof(float));
-  memset(coarse->operator+(ni - 1) * PLANES * C, 0, (size_t)(PLANES * C) * sizeof(float));
   WITH_TEAM(team, fine->threads) {
     float *row = rows + team.rank * PLANES * S;
     ROWS(coarse, team, i) {
@@ -67,7 +71,6 @@ EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
       const int above = node_between(i, ni, fine->ni), below = node_between(i - 1, ni, fine->ni);
       coarsen_row(from, nj == fine->nj ? to : row, fine->nj, S, above, below);
       if (nj != fine->nj) coarsen_along_j(row, to, fine->nj, nj, S, C);
-      for (int entry = 0; entry < PLANES; ++entry) to[entry * C] = to[entry * C + nj - 1] = 0.0f;
       cut_fixed(coarse, i);
     }
   }
@@ -126,43 +129,44 @@ APART void factor_row(const float *restrict a, double *restrict previous, float 
 static void factor_along_i(const Level *level, int64_t column, int64_t count) {
   const int64_t S = level->stride;
   double previous[4 * COLUMNS] = {0.0};
-  for (int64_t i = 1; i < level->ni - 1; ++i)
+  for (int64_t i = level->begin_i; i < level->end_i; ++i)
     factor_row(level->operator+ i * PLANES * S + column, previous, level->pivots_i + i * PIVOTS * S + column,
-               level->fixed + i * level->nj + column, count, S);
+               fixed_row(level, i) + column, count, S);
 }
 
 /* Pivots of the lines along j at `rows` rows, side by side, since each step waits for the one before; returns how many
  * free nodes have a block that is not usable. */
-INLINE int64_t factor_lines(const float *restrict a, float *restrict p, const uint8_t *restrict fixed, int64_t nj, int64_t S,
-                            int rows) {
+INLINE int64_t factor_lines(const Level *level, int64_t i, int rows) {
+  const int64_t S = level->stride, width = level->nj + 2;
+  const uint8_t *restrict fixed = fixed_row(level, i);
+  const float *restrict a = level->operator+ i * PLANES * S;
+  float *restrict p = level->pivots_j + i * PIVOTS * S;
   int64_t unusable = 0;
   Block previous[TOGETHER] = {{0}};
-  for (int64_t j = 1; j < nj - 1; ++j)
+  for (int64_t j = level->begin_j; j < level->end_j; ++j)
     for (int k = 0; k < rows; ++k) {
       const float *of = a + k * PLANES * S;
       float *at = p + k * PIVOTS * S;
       const Block own = GET(OWN, of), up = GET(NEXT_J, of - 1);
-      previous[k] = invert_pivot(own, GET(PREVIOUS_J, of), previous[k], up, fixed[k * nj + j]);
+      previous[k] = invert_pivot(own, GET(PREVIOUS_J, of), previous[k], up, fixed[k * width + j]);
       SET(PIVOT, at, previous[k]);
-      unusable += !fixed[k * nj + j] && !is_usable(own);
+      unusable += !fixed[k * width + j] && !is_usable(own);
     }
   return unusable;
 }
 
 /* Eliminate along all lines; returns how many free nodes have a block that is not usable. */
 EXPORT int64_t factor(const Level *level) {
-  const int64_t nj = level->nj, S = level->stride, R = PLANES * S, P = PIVOTS * S;
+  const int64_t columns = level->end_j - level->begin_j, rows = level->end_i - level->begin_i;
   int64_t unusable = 0;
   WITH_TEAM(team, level->threads) {
-    const int64_t right = 1 + share(nj - 2, team.rank + 1, team.size);
-    for (int64_t j = 1 + share(nj - 2, team.rank, team.size); j < right; j += COLUMNS)
+    const int64_t right = level->begin_j + share(columns, team.rank + 1, team.size);
+    for (int64_t j = level->begin_j + share(columns, team.rank, team.size); j < right; j += COLUMNS)
       factor_along_i(level, j, right - j < COLUMNS ? right - j : COLUMNS);
-    const int64_t end = 1 + share(level->ni - 2, team.rank + 1, team.size);
-    int64_t i = 1 + share(level->ni - 2, team.rank, team.size), found = 0;
-    for (; i + TOGETHER <= end; i += TOGETHER)
-      found += factor_lines(level->operator+ i * R, level->pivots_j + i * P, level->fixed + i * nj, nj, S, TOGETHER);
-    for (; i < end; ++i)
-      found += factor_lines(level->operator+ i * R, level->pivots_j + i * P, level->fixed + i * nj, nj, S, 1);
+    const int64_t end = level->begin_i + share(rows, team.rank + 1, team.size);
+    int64_t i = level->begin_i + share(rows, team.rank, team.size), found = 0;
+    for (; i + TOGETHER <= end; i += TOGETHER) found += factor_lines(level, i, TOGETHER);
+    for (; i < end; ++i) found += factor_lines(level, i, 1);
 #pragma omp atomic
     unusable += found;
   }

@@ -45,14 +45,14 @@ APART void coarsen_row(const float *restrict a, float *restrict c, int64_t nj, i
   for (int e = 0; e < 3; ++e) {
     const int xy = e == 0 ? 0 : e == 1 ? 1 : 3, yx = transposed[xy];
     const int64_t at = e * S, n = (3 + xy) * S, m = (3 + yx) * S;
-    for (int64_t j = 1; j < nj - 1; ++j)
+    for (int64_t j = 0; j < nj; ++j)
       c[at + j] = a[at + j] + half_above * (a[n + j] + a[m + j]) + quarter_above * next[at + j] +
                   half_below * (previous[n + j] + previous[m + j]) + quarter_below * previous[at + j];
   }
   for (int e = 0; e < 4; ++e) {
     const int64_t self = stored[e] * S, up = (3 + e) * S, along = (7 + e) * S, right = (11 + e) * S, left = (15 + e) * S;
     const int64_t along_t = (7 + transposed[e]) * S, left_t = (15 + transposed[e]) * S;
-    for (int64_t j = 1; j < nj - 1; ++j) {
+    for (int64_t j = 0; j < nj; ++j) {
       c[along + j] = a[along + j] + half_above * (a[right + j] + a[left_t + j + 1]) + quarter_above * next[along + j] +
                      half_below * (previous[right + j] + previous[left_t + j + 1]) + quarter_below * previous[along + j];
       c[up + j] = own * a[up + j] + half_above * next[up + j] + quarter_above * next[self + j];

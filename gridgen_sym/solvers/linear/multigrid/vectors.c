@@ -1,28 +1,34 @@
 /* What Krylov's methods share: vectors in double precision, and their products with the finest operator. */
 
-/* Zero everywhere, and so for good at the boundary and where rows are longer than the grid. */
+/* How many numbers a vector has with its margin: the rows before it, two so that a column before the first of them exists,
+ * and the row after it. */
+enum { BEFORE = 2 };
+static int64_t vector_size(const Level *level) { return 2 * (level->ni + BEFORE + 1) * level->stride; }
+
+/* Zero everywhere, and so for good in the margin and at fixed nodes. */
 static void clear_vector(const Level *level, Team team, double *vector) {
-  const int64_t width = 2 * level->stride;
-  for (int64_t i = share(level->ni, team.rank, team.size); i < share(level->ni, team.rank + 1, team.size); ++i)
-    memset(vector + i * width, 0, (size_t)width * sizeof(double));
+  const int64_t width = 2 * level->stride, rows = level->ni + BEFORE + 1;
+  double *first = vector - BEFORE * width;
+  for (int64_t i = share(rows, team.rank, team.size); i < share(rows, team.rank + 1, team.size); ++i)
+    memset(first + i * width, 0, (size_t)width * sizeof(double));
 }
 
-/* From planes (2, ni, nj) to a vector, at the inner nodes. */
+/* From planes (2, ni, nj), zero at fixed nodes, to a vector. */
 static void take_vector(const Level *level, Team team, const double *planes, double *restrict to) {
   ROWS(level, team, i)
     for (int c = 0; c < 2; ++c)
-      memcpy(to + (2 * i + c) * level->stride + 1, planes + (c * level->ni + i) * level->nj + 1,
-             (size_t)(level->nj - 2) * sizeof(double));
+      memcpy(to + (2 * i + c) * level->stride, planes + (c * level->ni + i) * level->nj,
+             (size_t)level->nj * sizeof(double));
 }
 
-/* And back, times a factor; zero at the boundary. */
+/* And back, times a factor. */
 static void give_vector(const Level *level, Team team, const double *vector, double *restrict planes, double factor) {
   const int64_t ni = level->ni, nj = level->nj;
   for (int64_t i = share(ni, team.rank, team.size); i < share(ni, team.rank + 1, team.size); ++i)
     for (int c = 0; c < 2; ++c) {
       const double *from = vector + (2 * i + c) * level->stride;
       double *to = planes + (c * ni + i) * nj;
-      for (int64_t j = 0; j < nj; ++j) to[j] = i % (ni - 1) == 0 || j % (nj - 1) == 0 ? 0.0 : factor * from[j];
+      for (int64_t j = 0; j < nj; ++j) to[j] = factor * from[j];
     }
 }
 
@@ -30,18 +36,18 @@ static void give_vector(const Level *level, Team team, const double *vector, dou
 static double total(const Level *level, Team team, const double *row) {
   wait_for(team);
   double sum = 0.0;
-  for (int64_t i = 1; i < level->ni - 1; ++i) sum += row[i];
+  for (int64_t i = level->begin_i; i < level->end_i; ++i) sum += row[i];
   return sum;
 }
 
-/* result = A vector for a row, at the inner nodes; returns the product of `with` and the result. */
+/* result = A vector for a row, from column `begin` to `end`; returns the product of `with` and the result. */
 #define MULTIPLY_ROW(name, REAL)                                                                                    \
   APART double name(const float *restrict a, const REAL *restrict x, const double *restrict with,                   \
-                    double *restrict result, int64_t nj, int64_t S) {                                               \
+                    double *restrict result, int64_t begin, int64_t end, int64_t S) {                               \
     UNUSED const int64_t R = PLANES * S;                                                                            \
     double product = 0.0;                                                                                           \
     PRAGMA(omp simd reduction(+ : product))                                                                         \
-    for (int64_t j = 1; j < nj - 1; ++j) {                                                                          \
+    for (int64_t j = begin; j < end; ++j) {                                                                         \
       double sx = OWN(a, 0) * (double)x[j] + OWN(a, 1) * (double)x[S + j];                                          \
       double sy = OWN(a, 2) * (double)x[j] + OWN(a, 3) * (double)x[S + j];                                          \
       COUPLE(0, 1, 0)                                                                                               \
