@@ -573,7 +573,7 @@ def test_everything_runs_under_a_compiler_that_is_strict(name, monkeypatch, cach
     """The flags of CC come after ours, so that kernels, multigrid and the trial of OpenMP are compiled with them."""
     if not shutil.which(name):
         pytest.skip(f"there is no {name}")
-    monkeypatch.setenv("CC", f"{name} -Wall -Wextra -Wconversion -Werror")
+    monkeypatch.setenv("CC", f"{name} -O1 -Wall -Wextra -Wconversion -Werror")
     solve = (
         "import gridgen_sym as gg\nfor name in ('winslow', 'knupp'):\n"
         "    gg.optimize(gg.domain('swan', 17, 17), name, backend='c')\n"
