@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import shlex
-from collections.abc import Iterable
 from pathlib import Path
 
 import click
@@ -17,22 +15,41 @@ from .base import functionals_option, loaded_files
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("-o", "--output", "folder", metavar="DIR", help="Where the kernels of the named functionals go.")
 @click.option("--language", metavar="LIST", help="Their languages, such as c,numpy.  [default: c]")
+@click.option(
+    "--variant",
+    "variants",
+    multiple=True,
+    metavar="VARIANT",
+    help="Write a further variant, such as target (relative to a target), M:differentiated (the declared field M moves "
+    "with the nodes), frozen or differentiated (with a weight), control, or several joined by +, as in "
+    "M:differentiated+target. May be repeated.",
+)
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; print a diff, and exit 1 if there is one.")
 @functionals_option
 @click.pass_context
 def generate(
-    ctx: click.Context, names: tuple[str, ...], folder: str | None, language: str | None, only_check: bool
+    ctx: click.Context,
+    names: tuple[str, ...],
+    folder: str | None,
+    language: str | None,
+    variants: tuple[str, ...],
+    only_check: bool,
 ) -> None:
     """Write kernels of the functionals NAME ... into a folder of your own project; they need nothing of this package.
+
+    For each NAME they are: those with the values of declared fields held; with a regularized barrier, where it has
+    one; with a weight, where the density names s; relative to a target, where it names t11, t22, t12 or tau. Others are
+    chosen with --variant. The heads of the files have the command that makes them, the same from whatever folder it was
+    called.
 
     Without names: write the folder `generated/` of this package, kernels in C and NumPy and the derived equations.
     Only what has changed is derived again.
     """
     if names and folder:
-        _export(names, folder, language or "c", loaded_files(ctx), only_check)
+        _export(names, folder, language or "c", variants, loaded_files(ctx), only_check)
     elif names:
         raise GridgenError(f"where should the kernels of {', '.join(names)} go? Name a folder, as in -o kernels")
-    elif folder or language or loaded_files(ctx):
+    elif folder or language or variants or loaded_files(ctx):
         raise GridgenError(
             "name the functionals whose kernels you want, as in  gridgen-sym generate winslow -o kernels"
         )
@@ -40,18 +57,24 @@ def generate(
         _generate(only_check)
 
 
-def _export(names: Iterable[str], folder: str, language: str, files: Iterable[str], only_check: bool) -> None:
-    from ..codegen.export import check_exported, check_languages, exported_sources, write_exported
+def _export(
+    names: tuple[str, ...],
+    folder: str,
+    language: str,
+    variants: tuple[str, ...],
+    files: tuple[str, ...],
+    only_check: bool,
+) -> None:
+    from ..codegen.export import check_exported, check_languages, exported_sources, ordered_variants, write_exported
+    from ..codegen.export_command import ExportCommand
     from ..functionals import functional
 
-    languages = check_languages(language.split(","))
     functionals = [functional(name) for name in dict.fromkeys(names)]
-    words = ["gridgen-sym", "generate", *(one.name for one in functionals)]
-    words += [word for file in files for word in ("--functionals", file)]
-    command = shlex.join([*words, "-o", folder, "--language", ",".join(languages)])
-    sources = exported_sources(functionals, languages, command)
+    named = tuple(one.name for one in functionals)
+    command = ExportCommand(named, check_languages(language.split(",")), folder, ordered_variants(variants), files)
+    sources = exported_sources(functionals, command)
     if only_check:
-        _report_difference(check_exported(Path(folder), sources), folder, command)
+        _report_difference(check_exported(Path(folder), sources), folder, command.here)
     else:
         _report_written(write_exported(Path(folder), sources))
 

@@ -50,10 +50,7 @@ class Modes:
         Raises:
             GridgenError: for what is no variant.
         """
-        parts = [part for part in variant.split("+") if part != "plain"]
-        weight: Literal["", "frozen", "differentiated"] = next((mode for mode in _WEIGHTED if mode in parts), "")
-        moving = tuple(sorted(part.removesuffix(_MOVES) for part in parts if part.endswith(_MOVES)))
-        modes = cls(weight, moving, "target" in parts, "control" in parts, "regularized" in parts)
+        modes = cls._of([part for part in variant.split("+") if part != "plain"])
         if modes.variant != variant or (modes.regularized and (modes.weight or modes.differentiated or modes.control)):
             raise GridgenError(
                 f"unknown variant {quoted(variant)}: it is 'plain', 'regularized', 'target+regularized', or of "
@@ -61,6 +58,23 @@ class Modes:
                 "this order, joined by '+'"
             )
         return modes
+
+    @classmethod
+    def ordered(cls, text: str) -> Modes:
+        """Return what a variant says whose parts a user has written in any order.
+
+        Raises:
+            GridgenError: for what is no variant.
+        """
+        parts = [part.strip() for part in text.split("+")]
+        variant = cls._of(parts).variant
+        return cls.read(variant if sorted(parts) == sorted(variant.split("+")) else text)
+
+    @classmethod
+    def _of(cls, parts: list[str]) -> Modes:
+        weight: Literal["", "frozen", "differentiated"] = next((mode for mode in _WEIGHTED if mode in parts), "")
+        moving = tuple(sorted(part.removesuffix(_MOVES) for part in parts if part.endswith(_MOVES)))
+        return cls(weight, moving, "target" in parts, "control" in parts, "regularized" in parts)
 
     @property
     def variant(self) -> Variant:

@@ -19,8 +19,10 @@ from gridgen_sym.codegen.facts import KernelFacts
 from gridgen_sym.codegen.interface import FUNCTIONS
 from gridgen_sym.codegen.render import render_interface
 from gridgen_sym.codegen.source import Source
+from gridgen_sym.fields import density_inputs
 from gridgen_sym.functionals import registry
 from gridgen_sym.resources import resource_folder
+from gridgen_sym.runtime import kernels
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "kernels_in_c"
@@ -77,6 +79,37 @@ def test_the_command_in_the_files_makes_them_again_and_checks_them(project):
     assert texts(project / "kernels") == first
 
 
+def test_the_calling_folder_matters_neither_to_the_files_nor_to_their_check(project, monkeypatch):
+    run(COMMAND)
+    first = texts(project / "kernels")
+    (project / "deep" / "er").mkdir(parents=True)
+    elsewhere = project.parent / "elsewhere"
+    elsewhere.mkdir()
+    for folder, way in (("deep/er", "../.."), ("kernels", ".."), (elsewhere, f"../{project.name}"), ("deep", project)):
+        monkeypatch.chdir(project / folder)
+        command = COMMAND.replace("mine.py", f"{way}/mine.py").replace("-o kernels", f"-o {way}/kernels")
+        assert run(f"{command} --check") == f"{way}/kernels is what is derived now\n"
+        assert run(command) == "0 files changed\n"
+    monkeypatch.chdir(project / "kernels")
+    assert run(COMMAND.replace("mine.py", "../mine.py").replace("-o kernels", "-o .")) == "0 files changed\n"
+    assert texts(project / "kernels") == first
+    assert all(f"run `{COMMAND}` in `..`." in text for text in first.values())
+
+
+def test_two_commands_may_write_into_one_folder(project):
+    """What all kernels share has the name of the first command, which is as good as that of the second."""
+    commands = COMMAND, "gridgen-sym generate length -o kernels --language c"
+    for command in commands:
+        run(command)
+    for command in commands:
+        assert run(f"{command} --check") == "kernels is what is derived now\n"
+        assert run(command) == "0 files changed\n"
+    shared = project / "kernels" / "gridgen_sym_common.h"
+    shared.write_text(shared.read_text().replace("restrict", ""))
+    for command in commands:
+        assert "gridgen_sym_common.h (on disk)" in run(f"{command} --check", code=1)
+
+
 def test_a_difference_is_shown_and_nothing_else_is_touched(project):
     run("gridgen-sym generate length -o kernels")
     run(COMMAND.replace(",numpy", ""))
@@ -111,7 +144,12 @@ def test_a_file_of_somebody_else_is_never_replaced(project):
         ("generate lenght -o kernels", "Did you mean 'length'?"),
         ("generate length -o kernels --language c,fortran", "unknown language 'fortran': kernels are written in c and"),
         ("generate length -o mine.py", "cannot write into mine.py: it is a file; name a folder with -o"),
-        ("generate length -o a*/b", "cannot stand in a comment"),
+        ("generate odd --functionals mine.py -o a*/b", "cannot stand in a comment"),
+        ("generate length -o kernels --variant moving", "unknown variant 'moving': it is 'plain', 'regularized'"),
+        ("generate length -o kernels --variant target+target", "unknown variant 'target+target'"),
+        ("generate length -o kernels --variant M:differentiated", "functional 'length' has no field 'M', which"),
+        ("generate length -o kernels --variant regularized", "'length' has no barrier at J = 0: there is nothing"),
+        ("generate --variant target", "name the functionals whose kernels you want"),
     ],
 )
 def test_what_cannot_be_written_is_refused_with_the_repair(project, command, expected):
@@ -152,6 +190,28 @@ def render_facts(project, name):
     functions = re.findall(r"^(\w+) = partial\(", (project / "kernels" / f"{name}.py").read_text(), re.MULTILINE)
     assert set(functions) <= set(FUNCTIONS)
     return functions
+
+
+_FIELDS = 'import gridgen_sym as gg\ngg.define("odd", "p*g11 + q*g22", fields={"p": "scalar", "q": "scalar"})\n'
+VARIANTS = ("target", "q:differentiated+p:differentiated+frozen")
+
+
+@pytest.mark.slow
+@needs_compiler
+def test_kernels_with_targets_and_moving_fields_are_strict_c(project):
+    (project / "mine.py").write_text(_FIELDS)
+    command = " ".join([COMMAND.replace(",numpy", ""), *(f"--variant {variant}" for variant in VARIANTS)])
+    run(command)
+    names = {"odd", "odd_target", "odd_frozen_p_differentiated_q_differentiated"}
+    assert {path.stem for path in (project / "kernels").glob("odd*.c")} == names
+    for name in sorted(names):
+        program = project / "both.c"
+        program.write_text(f'#include "{name}.h"\n#include "{name}.c"\n')
+        told = compiled(*STRICT, "-fsyntax-only", "-Ikernels", program)
+        assert told.returncode == 0, told.stderr
+    recorded = command.replace(VARIANTS[1], "frozen+p:differentiated+q:differentiated")
+    assert f"run `{recorded}` in `..`." in (project / "kernels" / "odd_target.h").read_text()
+    assert run(f"{command} --check") == "kernels is what is derived now\n"
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
@@ -239,8 +299,6 @@ def test_modules_run_without_this_package(project, name):
         [sys.executable, "-I", "-c", script], capture_output=True, text=True, cwd=project, check=False
     )
     assert told.returncode == 0, told.stderr
-    from gridgen_sym.runtime import kernels
-
     variant = name.partition("_")[2] or "plain"
     expected = kernels(gg.functional("odd"), variant, backend="numpy")
     values = weight[None] if variant == "frozen" else None
@@ -272,6 +330,48 @@ for kernel, planes in ((odd, []), (odd_target, inverse)):
 """
     told = subprocess.run([sys.executable, "-I", "-c", script], capture_output=True, text=True, check=False)
     assert told.stdout.split() == [str(round(16 * (13 / 12 - 1), 12)), "0.0"], told.stderr
+
+
+_CALL = """
+import sys
+import numpy as np
+sys.path.insert(0, "kernels")
+import odd_M_differentiated_target as kernel
+with np.load("given.npz") as file:
+    coordinates, planes = file["coordinates"], [file[name] for name in kernel.facts.planes]
+_, ni, nj = coordinates.shape
+rows, jacobians, gradient = np.zeros(ni - 1), np.zeros(ni - 1), np.zeros((2, ni, nj))
+block, values = kernel.block(ni, nj, 1 / (ni - 1), 1 / (nj - 1)), kernel.values(*planes)
+kernel.energy_gradient(block, coordinates, values, [], rows, jacobians, gradient)
+residual = np.zeros((2, ni, nj))
+kernel.euler_lagrange_residual(block, coordinates, values, [], residual)
+np.savez("found.npz", energy=rows.sum(), gradient=gradient, residual=residual)
+"""
+
+
+@pytest.mark.slow
+def test_a_module_with_a_target_and_a_moving_field_runs_without_this_package(project):
+    """A target per corner, a field with its derivatives at the nodes: energy and gradient are those of `gg.energy`."""
+    (project / "mine.py").write_text(
+        'import gridgen_sym as gg\ngg.define("odd", "(M11*g11 + M22*g22)/J", fields={"M": "symmetric"})\n'
+    )
+    run("generate odd --functionals mine.py -o kernels --language numpy --variant target+M:differentiated")
+    grid, reference = gg.domain("wavy", 6, 7), gg.domain("annulus", 6, 7)
+    field = gg.Field(("1 + x**2", "0.1*x*y", "2 + y"), mode="differentiated")
+    given = density_inputs(gg.functional("odd"), grid.shape, fields={"M": field}, target=gg.Target.of(reference))
+    facts = kernels(gg.functional("odd"), given.variant, backend="numpy")
+    steps = (1 / 5, 1 / 6)
+    planes = given.planes(grid.planes, facts.planes, steps)
+    np.savez("given.npz", coordinates=grid.planes, **dict(zip(facts.planes, planes, strict=True)))
+    told = subprocess.run([sys.executable, "-I", "-c", _CALL], capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stderr
+    options = {"fields": {"M": field}, "target": gg.Target.of(reference), "backend": "numpy"}
+    with np.load("found.npz") as file:
+        assert file["energy"] == pytest.approx(gg.energy(grid, "odd", **options), rel=1e-13)
+        inner = np.moveaxis(file["gradient"], 0, -1)[1:-1, 1:-1]
+        np.testing.assert_allclose(inner, gg.gradient(grid, "odd", **options)[1:-1, 1:-1], rtol=1e-12, atol=1e-13)
+        assert np.isfinite(file["residual"]).all()
+        assert np.abs(file["residual"]).max() > 0
 
 
 def test_modules_have_the_facts_that_their_loops_read():
