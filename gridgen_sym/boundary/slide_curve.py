@@ -20,6 +20,8 @@ _STEP = 2e-3
 #: Samples of a function among which the nearest point is looked for first.
 _SAMPLES = 2001
 _NEWTON_STEPS = 12
+#: After so short a Newton step the next is near rounding.
+_LAST_STEP = 1e-7
 
 _FIRST = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
 _SECOND = ((-3, 1 / 90), (-2, -3 / 20), (-1, 3 / 2), (0, -49 / 18), (1, 3 / 2), (2, -3 / 20), (3, 1 / 90))
@@ -31,26 +33,31 @@ class SlideCurve:
 
     Attributes:
         point: its points (m, 2) at parameters (m,).
-        first, second: the derivatives in the parameter.
+        derivatives: its points, and their first and second derivatives in the parameter.
         corners: the parameters of its sharp turns and of its two ends, in order.
     """
 
     point: Callable[[Array], Array]
-    first: Callable[[Array], Array]
-    second: Callable[[Array], Array]
+    derivatives: Callable[[Array], tuple[Array, Array, Array]]
     corners: Array
+
+    def first(self, t: Array) -> Array:
+        """Return the first derivatives (m, 2)."""
+        return self.derivatives(t)[1]
+
+    def second(self, t: Array) -> Array:
+        """Return the second derivatives (m, 2)."""
+        return self.derivatives(t)[2]
 
     @classmethod
     def of_points(cls, points: npt.ArrayLike) -> SlideCurve:
         """Return the curve through points (n, 2): cubic splines between sharp turns, straight where there are few."""
-        from scipy.interpolate import CubicSpline, make_interp_spline
-
         line = real_array(points, "the curve of a side")
         if line.ndim != 2 or line.shape[1] != 2 or len(line) < 2:
             raise GridgenError(
                 f"the curve of a side must be at least two different points (n, 2); came an array of shape {line.shape}"
             )
-        arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+        arc = chord_fractions(line)
         bad = np.flatnonzero(~(np.diff(arc) > 0))
         if len(bad):
             k = int(bad[0])
@@ -58,22 +65,16 @@ class SlideCurve:
                 "the points of the curve of a side must be finite, and each different from the one before; points "
                 f"{k} and {k + 1} are {line[k].tolist()} and {line[k + 1].tolist()}: leave out what is repeated"
             )
-        arc /= arc[-1]
         sharp = np.concatenate(([0], 1 + np.flatnonzero(_turns(line) > _SHARP), [len(line) - 1]))
-        pieces = []
-        for begin, end in pairwise(sharp):
-            s, p = arc[begin : end + 1], line[begin : end + 1]
-            pieces.append(CubicSpline(s, p) if len(s) > 3 else make_interp_spline(s, p, k=len(s) - 1))
-        ends = arc[sharp]
+        breaks, factors = _splines(arc, line, sharp)
 
-        def evaluate(t: Array, order: int) -> Array:
-            which = np.clip(np.searchsorted(ends, t, side="right") - 1, 0, len(pieces) - 1)
-            found = np.empty((len(t), 2))
-            for k in np.unique(which):
-                found[which == k] = pieces[k](t[which == k], nu=order)
-            return found
+        def derivatives(t: Array) -> tuple[Array, Array, Array]:
+            which = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(breaks) - 2)
+            a, b, c, d = factors[:, which]
+            x = (t - breaks[which])[:, None]
+            return ((a * x + b) * x + c) * x + d, (3 * a * x + 2 * b) * x + c, 6 * a * x + 2 * b
 
-        return cls(lambda t: evaluate(t, 0), lambda t: evaluate(t, 1), lambda t: evaluate(t, 2), ends)
+        return cls(lambda t: derivatives(t)[0], derivatives, arc[sharp])
 
     @classmethod
     def of_function(cls, function: Callable[[Array], Any]) -> SlideCurve:
@@ -93,10 +94,21 @@ class SlideCurve:
                 raise GridgenError("the curve of a side must be finite for all t from 0 to 1, and a little beyond")
             return found
 
-        def difference(weights: tuple[tuple[int, float], ...], order: int) -> Callable[[Array], Array]:
-            return lambda t: np.asarray(sum(w * point(t + k * _STEP) for k, w in weights) / _STEP**order)
+        def derivatives(t: Array) -> tuple[Array, Array, Array]:
+            near = {k: point(t + k * _STEP) for k, _ in _SECOND}
+            first, second = (sum(w * near[k] for k, w in weights) for weights in (_FIRST, _SECOND))
+            return near[0], np.asarray(first / _STEP), np.asarray(second / _STEP**2)
 
-        return cls(point, difference(_FIRST, 1), difference(_SECOND, 2), np.array([0.0, 1.0]))
+        return cls(point, derivatives, np.array([0.0, 1.0]))
+
+    def reversed(self) -> SlideCurve:
+        """Return the same curve, run through the other way."""
+
+        def derivatives(t: Array) -> tuple[Array, Array, Array]:
+            point, first, second = self.derivatives(1.0 - t)
+            return point, -first, second
+
+        return SlideCurve(lambda t: self.point(1.0 - t), derivatives, 1.0 - self.corners[::-1])
 
     def nearest(self, place: Array, start: Array | None = None) -> Array:
         """Return the parameters (m,) of the nearest points of the curve.
@@ -112,14 +124,21 @@ class SlideCurve:
             start = t[cKDTree(self.point(t)).query(place)[1]]
         t = start.copy()
         for _ in range(_NEWTON_STEPS):
-            apart, slope = self.point(t) - place, self.first(t)
-            square = (slope**2).sum(axis=1)
-            bend = square + (apart * self.second(t)).sum(axis=1)
+            point, slope, second = self.derivatives(t)
+            apart, square = point - place, (slope**2).sum(axis=1)
+            bend = square + (apart * second).sum(axis=1)
             step = (apart * slope).sum(axis=1) / np.where(bend > 0.1 * square, bend, square)
             t = np.clip(t - step, 0.0, 1.0)
-            if np.abs(step).max(initial=0.0) < 1e-15:
+            if np.abs(step).max(initial=0.0) < _LAST_STEP:
                 break
         return t
+
+
+def chord_fractions(line: npt.ArrayLike) -> Array:
+    """Return the length of a polyline (n, 2) up to each of its points, over the whole length."""
+    points = np.asarray(line, dtype=float)
+    length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+    return length / (length[-1] or 1.0)
 
 
 def slide_curve(given: Any) -> SlideCurve:  # noqa: ANN401 - whatever a user gave
@@ -146,12 +165,24 @@ def _of_spline(spline: Any, begin: float, end: float) -> SlideCurve:  # noqa: AN
     """Return the curve of a SciPy spline, whose derivatives are exact."""
     scale = end - begin
 
-    def evaluate(order: int) -> Callable[[Array], Array]:
-        return lambda t: np.asarray(spline(begin + scale * t, nu=order) * scale**order)
+    def derivatives(t: Array) -> tuple[Array, Array, Array]:
+        point, first, second = (np.asarray(spline(begin + scale * t, nu=order) * scale**order) for order in range(3))
+        return point, first, second
 
     if np.shape(spline(np.array([begin, end]))) != (2, 2):
         raise GridgenError("the spline of a side must have two components, x and y")
-    return SlideCurve(evaluate(0), evaluate(1), evaluate(2), np.array([0.0, 1.0]))
+    return SlideCurve(lambda t: np.asarray(spline(begin + scale * t)), derivatives, np.array([0.0, 1.0]))
+
+
+def _splines(arc: Array, line: Array, sharp: npt.NDArray[np.intp]) -> tuple[Array, Array]:
+    """Return the breaks (m + 1,) and the factors (4, m, 2) of cubic splines through the points between sharp turns.
+
+    Through three points it is a parabola, through two a straight line.
+    """
+    from scipy.interpolate import CubicSpline
+
+    pieces = [CubicSpline(arc[begin : end + 1], line[begin : end + 1]) for begin, end in pairwise(sharp)]
+    return arc, np.concatenate([piece.c for piece in pieces], axis=1)
 
 
 def _turns(line: Array) -> Array:

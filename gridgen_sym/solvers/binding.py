@@ -22,7 +22,7 @@ from ..runtime import kernels
 from .logical import LogicalRectangle, Spacing
 from .problem import Problem
 from .run.checks import check_size, fixed_mask
-from .sliding.slide import make_slide
+from .sliding.choice import make_slide
 
 
 def make_problem(
@@ -62,7 +62,7 @@ def make_problem(
     steps = LogicalRectangle.of(spacing, grid.shape).steps(grid.shape)
     problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only, steps)
     if slide is not None:
-        problem.slide = make_slide(grid, slide, problem.fixed)
+        problem.slide = make_slide(grid, slide)
     if grid.shape == home:  # Coarser grids are only on the way.
         problem.check_samples(grid.planes, folded=not corner_jacobians(grid.x, grid.y).min() > 0)
     problem.refresh(np.ascontiguousarray(grid.planes))

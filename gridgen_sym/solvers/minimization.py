@@ -81,7 +81,7 @@ class Run:
         """
         if self._encloses_nothing or not worth_nesting(self.problem, self.coordinates):
             return
-        nested = Nested(self.make, self.functional, self.parameters, self.report)
+        nested = Nested(self.make, self.functional, self.parameters, self.report, self.problem.slide)
         try:
             nested.solve(self.coordinates)
         finally:
@@ -89,6 +89,7 @@ class Run:
 
     def take(self, start: Array) -> None:
         """Take another start, if it is better: less folded, or else of lower energy."""
+        self.problem.follow(self.coordinates)
         energy, smallest, gradient = self.problem.energy_gradient(self.coordinates)
         barrier = self.problem.kernels.barrier
         if smallest > 0 or not barrier:
@@ -107,6 +108,7 @@ class Run:
         if better:
             self.untangled_by = NESTED if barrier and new_smallest > 0 and not smallest > 0 else ""
             self.coordinates = start
+            self.problem.follow(start)
         else:
             self.problem.refresh(self.coordinates)
 

@@ -13,6 +13,7 @@ from ..grids import corner_jacobians
 from ..runtime import KernelSet, Values
 from ..runtime.kernel_set import INDEX_STEPS
 from .folds import Folds
+from .harmonic import SIDES
 from .linear.solution import LinearSolver
 from .linear.systems import hessian_solver
 from .norms import mean_edge_length, norm_of, shortest_edges
@@ -114,18 +115,23 @@ class Problem:
 
     def pin(self, field: Array) -> Array:
         """Make a field (2, ni, nj) zero at the fixed nodes, and tangential at sliding ones, in place, and return it."""
-        along = None if self.slide is None else self.slide.project(field)
+        along = None if self.slide is None else self.slide.tangential(field)
         field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1] = 0.0, 0.0, 0.0, 0.0
         if self._inner_fixed:
             field[:, self.fixed != 0] = 0.0
-        if along is not None:
-            field += along
+        if self.slide is not None:
+            field[:, *self.slide.nodes] = along
         return field
 
     def retract(self, coordinates: Array, *, trial: bool = False) -> None:
         """Put sliding nodes back on their curves, in place; a `trial` may be refused."""
         if self.slide is not None:
             self.slide.retract(coordinates, trial=trial)
+
+    def follow(self, coordinates: Array) -> None:
+        """Take the sliding nodes from where they are in coordinates, on their curves."""
+        if self.slide is not None:
+            self.slide.follow(coordinates)
 
     def solver(self) -> LinearSolver:
         """Return what solves the linear systems of Newton's method."""
@@ -142,9 +148,21 @@ class Problem:
             coordinates, values, self.steps, semidefinite=semidefinite, interior_only=self.interior_only, out=out
         )
         if self.slide is not None:
-            whole = self.kernels.energy_gradient(coordinates, values, self.steps, interior_only=self.interior_only)[2]
-            self.slide.constrain(planes, whole, semidefinite=semidefinite)
+            self.slide.constrain(planes, self._gradient_at_sides(coordinates), semidefinite=semidefinite)
         return planes
+
+    def _gradient_at_sides(self, coordinates: Array) -> Array:
+        """Return the gradient (2, ni, nj), not projected, that is right at the nodes of the sides alone."""
+        if self.inputs is not None or self.interior_only:
+            values, inner = self.values(coordinates), self.interior_only
+            return self.kernels.energy_gradient(coordinates, values, self.steps, interior_only=inner)[2]
+        found = np.zeros_like(coordinates)
+        every, first, last = slice(None), slice(None, 2), slice(-2, None)  # Only the cells beside a side count there.
+        strips = (every, first), (every, last), (every, every, first), (every, every, last)
+        for strip, side in zip(strips, SIDES, strict=True):
+            beside = np.ascontiguousarray(coordinates[strip])
+            found[side] = self.kernels.energy_gradient(beside, None, self.steps)[2][side]
+        return found
 
     def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:
         """Count the folds of coordinates; with `mendable`, only those that moving the free nodes may repair."""

@@ -51,8 +51,12 @@ def folded_nodes(coordinates: Array, fixed: Mask) -> npt.NDArray[np.bool_]:
 def restrict(problem: Problem, coordinates: Array, window: tuple[slice, slice]) -> tuple[Problem, Array]:
     """Return the problem on a rectangle of nodes, without a weight, with fixed sides, and a copy of its nodes.
 
-    The steps of the logical coordinates are those of the whole.
+    Nodes that slide do so there, too. The steps of the logical coordinates are those of the whole.
     """
     fixed = problem.fixed[window].copy()
     fixed[[0, -1]], fixed[:, [0, -1]] = 1, 1
-    return Problem(problem.kernels, fixed, None, steps=problem.steps), np.ascontiguousarray(coordinates[:, *window])
+    part = Problem(problem.kernels, fixed, None, steps=problem.steps)
+    if problem.slide is not None:
+        problem.follow(coordinates)
+        part.slide = problem.slide.part(window)
+    return part, np.ascontiguousarray(coordinates[:, *window])

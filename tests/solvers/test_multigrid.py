@@ -143,6 +143,19 @@ def test_sides_may_have_unknowns(shape, sides):
     assert not solution.vector[:, fixed != 0].any()
 
 
+def test_nodes_that_slide_cost_no_more_iterations_on_finer_grids():
+    counts = []
+    for n in (33, 66, 131):
+        start = gg.domain("wavy", n, n)
+        problem = make_problem(start, "winslow", slide=("bottom", "right", "top"))
+        planes, fixed = problem.hessian(start.planes.copy(), semidefinite=True), problem.slide.mask(problem.fixed)
+        multigrid = Multigrid(fixed)
+        assert multigrid.set_operator(planes)
+        right = np.random.default_rng(0).normal(size=(2, n, n)) * (fixed == 0)
+        counts.append(multigrid.solve(right, 1e-6).iterations)
+    assert max(counts) <= min(counts) + 3
+
+
 @pytest.mark.parametrize("shape", [(9, 12), (7, 200), (64, 65)], ids=str)
 def test_bicgstab_solves_with_the_jacobian(shape):
     planes, fixed = jacobian(shape)

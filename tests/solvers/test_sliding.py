@@ -5,8 +5,9 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import gridgen_sym as gg
-from gridgen_sym.boundary.slide_curve import SlideCurve, slide_curve
+from gridgen_sym.boundary.slide_curve import SlideCurve, chord_fractions, slide_curve
 from gridgen_sym.solvers.binding import make_problem
+from gridgen_sym.solvers.sliding.side import SlidingSide, side_index
 
 # The sides of a quarter of the annulus with radii 1 and 2, as functions of t.
 QUARTER = {
@@ -92,6 +93,41 @@ def test_nodes_stay_on_their_curves_and_corners_stay():
         np.testing.assert_array_equal(result.grid.xy[corner], start.xy[corner])
 
 
+def test_no_node_passes_its_neighbor_or_a_corner():
+    """Whatever a step asks for: random parameters, and a side with a sharp turn whose node stays."""
+    turn = np.array([[0.0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [2, 3]])
+    curve, random = SlideCurve.of_points(turn), np.random.default_rng(5)
+    side = SlidingSide("bottom", side_index("bottom", (6, 4)), curve, chord_fractions(turn))
+    np.testing.assert_array_equal(side.free, [False, True, False, True, True, False])
+    for _ in range(200):
+        wanted = side.at + random.normal(scale=1.0, size=6)
+        found = side.in_order(wanted)
+        assert (np.diff(found) >= 0.0999 * np.diff(side.at)).all()
+        np.testing.assert_allclose(found[~side.free], side.at[~side.free], rtol=1e-14)
+    near = side.at + 1e-3 * side.free
+    np.testing.assert_allclose(side.in_order(near), near, rtol=1e-14)
+
+
+def test_nodes_slide_on_coarse_grids_so_that_the_finest_takes_few_steps():
+    start = gg.domain("quarter_annulus", 65, 65)
+    shapes = [step.shape for step in gg.optimize(start, "winslow", slide="all").history]
+    assert shapes.count((65, 65)) <= 3
+
+
+def test_a_finer_side_takes_the_spacing_of_a_coarser_one():
+    line = np.stack([np.linspace(0, 1, 33), np.zeros(33)], -1)
+    curve = SlideCurve.of_points(line)
+    fine, coarse = (SlidingSide("top", side_index("top", (n, 3)), curve, np.linspace(0, 1, n)) for n in (33, 17))
+    coarse.at = coarse.at**2
+    np.testing.assert_allclose(fine.interpolated(coarse), fine.at**2, atol=1e-12)
+
+
+def test_a_side_that_runs_against_its_curve_slides_as_well():
+    back = {side: (lambda t, of=of: of(1 - t)) for side, of in QUARTER.items()}
+    forth, found = (gg.optimize(uneven_quarter(8), "winslow", slide=curves) for curves in (QUARTER, back))
+    np.testing.assert_allclose(found.grid.xy, forth.grid.xy, atol=1e-9)
+
+
 def test_one_side_slides_and_the_others_stay():
     start = gg.domain("quarter_annulus", 17, 13)
     result = gg.optimize(start, "winslow", slide="left")
@@ -158,6 +194,7 @@ def test_points_have_corners_at_sharp_turns():
         ({"left": lambda t: np.full((len(t), 2), np.nan)}, "must be finite for all t from 0 to 1"),
         ([["left"]], r"unknown side \['left'\] in slide"),
         ({"left": [[0, 1], [-1, 1.5], [0, 2]]}, "the nodes of the side left must lie on its curve"),
+        ({"left": lambda t: np.stack([0 * t, 1 + t + 0.4 * np.sin(6 * np.pi * t)], -1)}, "must follow each other"),
     ],
 )
 def test_what_cannot_slide_is_refused(slide, match):

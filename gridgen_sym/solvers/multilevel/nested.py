@@ -15,6 +15,7 @@ from ...grids import Grid
 from ..newton.minimize import minimize
 from ..problem import Problem
 from ..run.progress import Progress
+from ..sliding.slide import Slide
 from ..untangling.strategies import untangle_regularized
 from .prolongation import coarse_start, finer_start, from_boundary
 
@@ -50,14 +51,18 @@ class Nested:
         functional: what is minimized.
         parameters: of the functional.
         report: receives every step.
+        slide: the sliding nodes of the grid itself, if there are some.
         solved: (2, ni, nj), the finest grid that is solved.
+        slid: its sliding nodes.
     """
 
     make: Callable[[Grid], Problem]
     functional: Functional
     parameters: Mapping[str, float] | None
     report: Progress
+    slide: Slide | None = None
     solved: Array | None = None
+    slid: Slide | None = None
 
     def solve(self, coordinates: Array) -> None:
         """Solve on all grids coarser than `coordinates` (2, ni, nj), of which the boundary is used.
@@ -68,11 +73,36 @@ class Nested:
             start = coarse_start(coordinates, shape)
             with suppress(UnusableValueError):
                 problem = self.make(Grid.from_planes(*start))
-                self.solved = self._solve(problem, self.finer(problem, start))
+                if self.slide is None or not self._solve_sliding(problem, start, self.slide.on(shape)):
+                    self.solved, self.slid = self._solve(problem, self.finer(problem, start)), None
+
+    def _solve_sliding(self, problem: Problem, start: Array, slide: Slide) -> bool:
+        """Solve on a coarse grid whose boundary nodes slide; return whether its edges follow the curves.
+
+        With few nodes the energy may be least where an edge cuts off a bend; that is of no use to finer grids.
+        """
+        slide.place(start)
+        if slide.caution(start):
+            return False
+        problem.slide = slide
+        found = self._solve(problem, self.finer(problem, from_boundary(start).copy()))
+        problem.slide = None
+        if slide.caution(found):
+            return False
+        self.solved, self.slid = found, slide
+        return True
 
     def finer(self, problem: Problem, coordinates: Array) -> Array:
-        """Return the start that the finest solved grid gives on a grid with the boundary of `coordinates`."""
-        return coordinates if self.solved is None else finer_start(problem, self.solved, coordinates)
+        """Return the start that the finest solved grid gives on a grid with the boundary of `coordinates`.
+
+        Sliding nodes are spaced as on the solved grid.
+        """
+        if self.solved is None:
+            return coordinates
+        if problem.slide is not None and self.slid is not None:
+            coordinates = coordinates.copy()
+            problem.slide.space_as(self.slid, coordinates)
+        return finer_start(problem, self.solved, coordinates)
 
     def _solve(self, problem: Problem, start: Array) -> Array:
         """Return the solution on one coarse grid, or the least folded grid where it has none with so few nodes."""

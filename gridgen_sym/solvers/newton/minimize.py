@@ -77,6 +77,7 @@ def minimize(
     Returns:
         How it has ended.
     """
+    problem.follow(coordinates)
     iterate, before, barrier = Iterate(problem, coordinates), 0.0, problem.kernels.barrier
     convergence = ConvergenceTest(iterate, tolerance, reference)
     progress.step(0, iterate.energy, iterate.norm, iterate.smallest)
@@ -139,6 +140,7 @@ def _eliminate(iterate: Iterate, deadline: Deadline) -> None:
         finally:
             iterate.coordinates[:, *part] = place
     if parts:
+        iterate.problem.follow(iterate.coordinates)
         iterate.evaluate()
 
 

@@ -1,0 +1,127 @@
+"""One side whose nodes slide: its curve, the parameters of its nodes, and their order along it.
+
+Nodes never pass each other or a corner of the curve: in one step no gap along the curve shrinks to less than a given
+fraction of what it was.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from ...arrays import Array
+from ...boundary.slide_curve import SlideCurve
+
+Index = tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]
+
+#: A gap between neighbors along the curve keeps this fraction in a step (as interior-point methods keep from a bound).
+_KEPT = 0.1
+#: A node so far from the curve, over the largest coordinate, is not where it was looked for.
+_ON_CURVE = 1e-7
+#: A node so near to a corner of the curve, in its parameter, is that corner and stays.
+_AT_CORNER = 1e-9
+
+
+@dataclass(slots=True, eq=False)
+class SlidingSide:
+    """A side whose nodes slide between the corners of its curve.
+
+    Attributes:
+        name: `bottom`, `right`, `top` or `left`.
+        index: of all its nodes.
+        curve: that they slide along, in the direction of the nodes.
+        at: (n,), their parameters, increasing.
+        free: (n,), whether a node slides; those at corners of the curve stay.
+        low, high: (n,), the parameters of the corners of the curve around each node; of a node that stays its own.
+    """
+
+    name: str
+    index: Index
+    curve: SlideCurve
+    at: Array
+    free: npt.NDArray[np.bool_] = field(init=False)
+    low: Array = field(init=False)
+    high: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Find the corners around each node."""
+        corners = self.curve.corners
+        piece = np.clip(np.searchsorted(corners, self.at, side="right") - 1, 0, len(corners) - 2)
+        low, high = corners[piece], corners[piece + 1]
+        self.free = np.minimum(np.abs(self.at - low), np.abs(self.at - high)) > _AT_CORNER
+        self.free[[0, -1]] = False
+        self.low, self.high = np.where(self.free, low, self.at), np.where(self.free, high, self.at)
+
+    @property
+    def nodes(self) -> Index:
+        """The indices of the nodes that slide."""
+        return self.index[0][self.free], self.index[1][self.free]
+
+    def follow(self, coordinates: Array) -> None:
+        """Take the parameters of the nodes of coordinates (2, ni, nj), which are on the curve."""
+        there = coordinates[:, *self.nodes].T
+        found = self.curve.nearest(there, self.at[self.free])
+        away = np.abs(self.curve.point(found) - there).max(axis=1, initial=0.0)
+        far = away > _ON_CURVE * float(np.abs(there).max(initial=0.0))
+        if far.any():
+            found[far] = self.curve.nearest(there[far])
+        self.at = self.at.copy()
+        self.at[self.free] = found
+
+    def nearest(self, coordinates: Array) -> Array:
+        """Return the parameters (n,) of the points nearest to coordinates (2, ni, nj), in the order of the nodes."""
+        found = self.at.copy()
+        found[self.free] = self.curve.nearest(coordinates[:, *self.nodes].T, self.at[self.free])
+        return self.in_order(found)
+
+    def in_order(self, wanted: Array) -> Array:
+        """Return parameters near the wanted ones whose gaps are at least a fraction of the present ones."""
+        over = np.clip(wanted - _KEPT * self.at, (1 - _KEPT) * self.low, (1 - _KEPT) * self.high)
+        if (np.diff(over) < 0).any():
+            over = (np.maximum.accumulate(over) + np.minimum.accumulate(over[::-1])[::-1]) / 2
+        return np.asarray(over + _KEPT * self.at)
+
+    def resampled(self, index: Index) -> SlidingSide:
+        """Return the same side of a grid with another number of nodes, spaced like these."""
+        new, old = (np.linspace(0.0, 1.0, len(nodes)) for nodes in (index[0], self.at))
+        return SlidingSide(self.name, index, self.curve, np.interp(new, old, self.at))
+
+    def part(self, along: slice, shape: tuple[int, int]) -> SlidingSide:
+        """Return some of the nodes, as the same side of a grid of this shape; the first and the last stay."""
+        return SlidingSide(self.name, side_index(self.name, shape), self.curve, self.at[along])
+
+    def interpolated(self, coarse: SlidingSide) -> Array:
+        """Return the parameters that a coarser grid's nodes give to these; nodes at corners stay.
+
+        By cubic splines through the coarse nodes and the corners, or monotone cubics where splines overshoot.
+        """
+        from scipy.interpolate import CubicSpline, PchipInterpolator
+
+        place, known = (np.linspace(0.0, 1.0, len(at)) for at in (self.at, coarse.at))
+        found = self.at.copy()
+        stay = np.flatnonzero(~self.free)
+        for first, last in pairwise(stay):
+            if last == first + 1:
+                continue
+            (a, b), (low, high) = place[[first, last]], self.at[[first, last]]
+            inside = (known > a) & (known < b) & (coarse.at > low) & (coarse.at < high)
+            x, y = (np.concatenate(([p], of[inside], [q])) for p, of, q in ((a, known, b), (low, coarse.at, high)))
+            inner = place[first + 1 : last]
+            spline = CubicSpline if len(x) > 3 else PchipInterpolator
+            at = spline(x, y)(inner)
+            if not (np.diff(at, prepend=low, append=high) > 0).all():
+                at = PchipInterpolator(x, y)(inner)
+            found[first + 1 : last] = at
+        return found
+
+
+def side_index(side: str, shape: tuple[int, int]) -> Index:
+    """Return the indices of the nodes of a side of a grid (ni, nj)."""
+    ni, nj = shape
+    count, of_i = (ni, True) if side in ("bottom", "top") else (nj, False)
+    along = np.arange(count, dtype=np.intp)
+    across = np.full(count, 0 if side in ("bottom", "left") else (nj if of_i else ni) - 1, dtype=np.intp)
+    return (along, across) if of_i else (across, along)
