@@ -43,6 +43,17 @@ def test_a_grid_with_a_wall_is_made(tmp_path):
     np.testing.assert_allclose(height, 1e-3, rtol=0.01)
 
 
+def test_walls_through_the_equations(tmp_path):
+    path = tmp_path / "grid.npz"
+    arguments = ["grid", "quarter_annulus", "-f", "winslow", "--size", "16x12", "--wall", "bottom:first=1e-2"]
+    through = ["--solver", "euler-lagrange", "--control", "hilgenstock-white", "-o", str(path)]
+    done = CliRunner().invoke(main, [*arguments, *through])
+    assert done.exit_code == 0, done.output
+    assert "updates of the control functions" in done.output
+    grid = gg.read(path)
+    np.testing.assert_allclose(np.hypot(*(grid.xy[1:-1, 1] - grid.xy[1:-1, 0]).T), 1e-2, rtol=1e-3)
+
+
 def test_an_unknown_side_is_an_error_without_a_traceback():
     done = CliRunner().invoke(main, ["grid", "square", "-f", "winslow", "--wall", "below:first=1e-3", "--quiet"])
     assert done.exit_code != 0

@@ -85,10 +85,11 @@ def control_of(text: str) -> Any:  # noqa: ANN401 - two formulas, or a name
     parts = _parts(text)
     if len(parts) == 2:
         return tuple(parts)
-    if text.strip() == "thomas-middlecoff":
+    if text.strip() in ("thomas-middlecoff", "hilgenstock-white"):
         return text.strip()
     raise GridgenError(
-        f"--control takes two formulas in xi and eta, such as '-2*xi, 0', or thomas-middlecoff; came {quoted(text)}"
+        "--control takes two formulas in xi and eta, such as '-2*xi, 0', thomas-middlecoff, or with --wall "
+        f"hilgenstock-white; came {quoted(text)}"
     )
 
 

@@ -72,8 +72,9 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option(
     "--control",
     metavar="P,Q",
-    help="Control functions of winslow's equations: formulas in xi and eta, such as '-2*xi, 0', or thomas-middlecoff, "
-    "from the spacing of the boundary nodes (euler-lagrange and relaxation).",
+    help="Control functions of winslow's equations: formulas in xi and eta, such as '-2*xi, 0'; thomas-middlecoff, "
+    "from the spacing of the boundary nodes (euler-lagrange and relaxation); or hilgenstock-white, from --wall "
+    "(euler-lagrange).",
 )
 @click.option(
     "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter. May be repeated."

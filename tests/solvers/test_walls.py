@@ -2,36 +2,15 @@
 
 import numpy as np
 import pytest
-from support import NO_SHARED, SHARED
+from support_walls import channel, heights, nasa
 
 import gridgen_sym as gg
-from gridgen_sym.boundary.laws import geometric
 from gridgen_sym.boundary.wall import walls_by_side
 from gridgen_sym.fields.wall_cells import own_cells, wall_cells
 from gridgen_sym.solvers.multilevel.nested import coarse_shapes
 from gridgen_sym.solvers.multilevel.prolongation import coarse_start
 from gridgen_sym.solvers.multilevel.wall_continuation import between
 from gridgen_sym.solvers.multilevel.wall_prolongation import finer_grid
-
-
-def channel(ni=41, nj=25, first=None):
-    """A channel with a bump; `first` clusters the nodes of its two ends to the bottom."""
-    s, e = np.linspace(0, 1, ni), np.linspace(0, 1, nj)
-    if first is not None:
-        e = geometric(first, nj - 1)[0]
-    low = 0.15 * np.exp(-40 * (s - 0.5) ** 2)
-    bottom, top = np.stack([3 * s, low], -1), np.stack([3 * s, np.ones(ni)], -1)
-    left, right = (np.stack([np.full(nj, x), y + e * (1 - y)], -1) for x, y in ((0.0, low[0]), (3.0, low[-1])))
-    return gg.transfinite(bottom, top, left, right)
-
-
-def heights(grid, side="bottom"):
-    """Return the heights of the first cells over the inner nodes of a side, and their degrees off the normal."""
-    xy = {"bottom": grid.xy, "top": grid.xy[:, ::-1], "left": grid.xy.swapaxes(0, 1)}[side]
-    up, along = xy[1:-1, 1] - xy[1:-1, 0], xy[2:, 0] - xy[:-2, 0]
-    height = np.hypot(*up.T)
-    cosine = (up * along).sum(axis=1) / (height * np.hypot(*along.T))
-    return height, np.degrees(np.arcsin(np.abs(cosine)))
 
 
 @pytest.mark.parametrize("backend", ["c", "numpy"])
@@ -190,18 +169,6 @@ def test_the_first_height_of_a_yplus():
     assert gg.first_height(1e6, yplus=30, length=2) == pytest.approx(60 * gg.first_height(1e6))
     with pytest.raises(gg.GridgenError, match="reynolds must be a positive number"):
         gg.first_height(-1)
-
-
-def nasa(name):
-    """Return the boundary of a grid of NASA's collection as a transfinite start, and its first heights."""
-    path = SHARED / "nasa" / f"{name}.p2dfmt"
-    if not path.exists():
-        pytest.skip(NO_SHARED.format(path.name))
-    numbers = np.array(path.read_text().split(), dtype=float)
-    ni, nj = numbers[1:3].astype(int)
-    x, y = numbers[3:].reshape(2, nj, ni).transpose(0, 2, 1)
-    xy = np.stack([x, y], axis=-1)
-    return gg.transfinite(xy[:, 0], xy[:, -1], xy[0], xy[-1]), np.hypot(*(xy[:, 1] - xy[:, 0]).T)
 
 
 @pytest.mark.parametrize(

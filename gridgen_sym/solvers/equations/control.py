@@ -21,8 +21,8 @@ from ...runtime import KernelSet, Values
 from ..problem import Problem
 
 #: Formulas, functions, numbers or arrays (ni, nj) of P and Q; or the name of how they are computed.
-Control: TypeAlias = "tuple[Source, Source] | Literal['thomas-middlecoff']"
-_COMPUTED = "thomas-middlecoff"
+Control: TypeAlias = "tuple[Source, Source] | Literal['thomas-middlecoff', 'hilgenstock-white']"
+_COMPUTED, FROM_WALLS = "thomas-middlecoff", "hilgenstock-white"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,20 +62,43 @@ class Controlled:
 
 
 def control_planes(control: Control, grid: Grid, steps: tuple[float, float]) -> Array:
-    """Return P and Q at the nodes, (2, ni, nj).
+    """Return P and Q at the nodes, (2, ni, nj); those of walls are as without walls until walls change them.
 
     Raises:
         GridgenError: for what is no pair of control functions.
     """
-    if isinstance(control, str) and control == _COMPUTED:
+    if isinstance(control, str) and control in (_COMPUTED, FROM_WALLS):
         return thomas_middlecoff(grid.planes, steps)
     if isinstance(control, (str, bytes)) or not hasattr(control, "__len__") or len(control) != 2:
         raise GridgenError(
-            f"control must be two functions (P, Q), such as ('-2*xi', 0), or {_COMPUTED!r}; came {quoted(control)}"
+            f"control must be two functions (P, Q), such as ('-2*xi', 0), or {_COMPUTED!r}, or, with walls, "
+            f"{FROM_WALLS!r}; came {quoted(control)}"
         )
     xi, eta = np.meshgrid(*(np.linspace(0, 1, count) for count in grid.shape), indexing="ij")
     named = zip(("P", "Q"), control, strict=True)
     return np.stack([as_scalar(one, f"the control {name}", ("xi", "eta")).values(xi, eta) for name, one in named])
+
+
+def check_walls(control: Control | None, walls: object, method: str) -> bool:
+    """Return whether walls become control functions, and not a target.
+
+    Raises:
+        GridgenError: where control functions, walls and the method do not belong together.
+    """
+    from_walls = isinstance(control, str) and control == FROM_WALLS
+    if from_walls and not walls:
+        raise GridgenError(
+            f"control={FROM_WALLS!r} computes control functions from walls: give walls, such as "
+            f"{{'bottom': Wall(first=1e-3)}}, or take control={_COMPUTED!r}"
+        )
+    if from_walls and method != "newton":
+        raise GridgenError(f"control={FROM_WALLS!r} needs Newton's method: drop method={method!r}")
+    if walls and control is not None and not from_walls:
+        raise GridgenError(
+            "walls become a target, in which other control functions have no part: drop control, or let the walls "
+            f"become control functions by control={FROM_WALLS!r}"
+        )
+    return from_walls
 
 
 def thomas_middlecoff(planes: Array, steps: tuple[float, float]) -> Array:

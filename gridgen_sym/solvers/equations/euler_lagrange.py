@@ -35,16 +35,17 @@ from ..run.progress import Callback, Progress
 from ..run.result import Result
 from ..run.status import Outcome, Status
 from ..run.stopping import run_to_result
-from .control import Control, Controlled
+from .control import Control, Controlled, check_walls
 from .newton import solve_by_newton
 from .relaxation import solve_by_relaxation
 from .residual import Equations
+from .wall_iteration import solve_with_walls
 
 #: How near to the minimum a grid is brought that was folded at the start.
 _NEAR, _STEPS_NEAR = 1e-2, 50
 _FOLDED = "The grid was folded at the start; it was untangled and brought near the minimum of the energy first: "
-#: Default numbers of Newton steps and of sweeps.
-_LIMITS = {"newton": 200, "relaxation": 100_000}
+#: Default numbers of Newton steps, of sweeps, and of updates of control functions.
+_LIMITS = {"newton": 200, "relaxation": 100_000, "control": 100}
 
 
 @renamed_arguments(name="functional")
@@ -84,15 +85,18 @@ def solve_euler_lagrange(
         target: what cells should be like; the metric is taken relative to it, in any functional. A `Target`, or a
             reference grid of the same shape.
         walls: the first heights, growth and angles that are asked for at sides of the block, by side, such as
-            `{"bottom": Wall(first=1e-5, growth=1.2)}`; they become the target.
+            `{"bottom": Wall(first=1e-5, growth=1.2)}`; they become the target, or by `control="hilgenstock-white"`
+            control functions.
         control: control functions (P, Q) of the equations g22 (r_xixi + P r_xi) - 2 g12 r_xieta + g11 (r_etaeta +
             Q r_eta) = 0 of `winslow`, or of others that reduce to a scalar operator: formulas in xi and eta, functions
             of them, numbers or arrays (ni, nj); or `thomas-middlecoff`: computed from the boundary nodes, whose
-            spacing they carry inwards. From a valid start, Newton's method then begins with `grid` itself.
+            spacing they carry inwards. From a valid start, Newton's method then begins with `grid` itself. Or
+            `hilgenstock-white`: from `walls`, updated from one solution to the next until heights are within 0.1 % and
+            angles within 0.1 degrees; it begins with the transfinite grid that has these heights, if that is valid.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the residual's norm must fall.
-        max_iterations: Newton steps, or sweeps.
+        max_iterations: Newton steps, or sweeps; with `hilgenstock-white` updates of the control functions.
         relaxation: factor of a relaxation step; by default that which is best for Laplace's equation, and less
             where it diverges.
         spacing: the logical steps, as in `optimize`: `unit`, `index` or two numbers. It matters only where the
@@ -116,6 +120,8 @@ def solve_euler_lagrange(
     definition = find_functional(functional)
     check_grid(grid)
     rectangle = LogicalRectangle.of(spacing, grid.shape)
+    sides = NO_WALLS if walls is None else walls_by_side(walls)
+    by_control = check_walls(control, walls, method)
 
     def make(on: Grid, inside: npt.ArrayLike | None = None) -> Problem:
         return make_problem(
@@ -124,7 +130,7 @@ def solve_euler_lagrange(
             weight=weight,
             fields=fields,
             target=target,
-            walls=walls,
+            walls=None if by_control else walls,
             fixed=inside,
             parameters=parameters,
             arrays_of=grid.shape,
@@ -132,14 +138,15 @@ def solve_euler_lagrange(
             backend=backend,
         )
 
-    limit = _LIMITS[method] if max_iterations is None else max_iterations
+    limit = _LIMITS["control" if by_control else method] if max_iterations is None else max_iterations
     title = f"Euler–Lagrange equations of {definition.name}"
     with Progress(title, callback, progress, Deadline(time_limit)) as report:
-        sides = NO_WALLS if walls is None else walls_by_side(walls)
         run = Run(make(grid, fixed), make, definition, parameters, grid.planes.copy(), report, grid, sides)
         equations = Equations(run.problem, _controlled(control, grid, run.problem, definition, parameters))
 
         def solve() -> Outcome:
+            if by_control:
+                return solve_with_walls(run, equations, sides, limit, tolerance)
             near = equations.controlled is not None and not run.to_untangle
             if method == "newton" and run.problem.kernels.barrier and limit and not near and not _bring_near(run):
                 return run.could_not_unfold()
@@ -149,7 +156,8 @@ def solve_euler_lagrange(
             return solve_by_newton(equations, run.coordinates, report, tolerance, limit, keep_valid)
 
         def result(outcome: Outcome) -> Result:
-            return run.result(_choose(run, equations, run.explained_by_derivatives(outcome), keep_valid))
+            told = run.explained_by_derivatives(outcome)
+            return run.result(told if by_control else _choose(run, equations, told, keep_valid))
 
         return run_to_result(solve, result, report)
 

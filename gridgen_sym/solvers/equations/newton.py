@@ -33,17 +33,26 @@ _FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
 
 
 def solve_by_newton(
-    equations: Equations, coordinates: Array, report: Progress, tolerance: float, limit: int, keep_valid: bool
+    equations: Equations,
+    coordinates: Array,
+    report: Progress,
+    tolerance: float,
+    limit: int,
+    keep_valid: bool,
+    reference: float | None = None,
+    damps: bool = True,
 ) -> Outcome:
     """Newton's method with a line search on the residual's norm, or Levenberg's damping where not elliptic.
 
-    With `keep_valid`, and for barrier functionals, no step folds a cell of a valid grid.
+    With `keep_valid`, and for barrier functionals, no step folds a cell of a valid grid. The norm must fall from
+    `reference`, by default from that of the start. Without `damps` it ends where the line search does, which is soon.
     """
     problem, damping = equations.problem, 0.0
     if problem.kernels.equation_type != "elliptic":
         damping = _FIRST_DAMPING
     residual = equations.residual(coordinates)
-    norm = first = norm_of(residual)
+    norm = norm_of(residual)
+    first = norm if reference is None else reference
     floor = equations.round_off(coordinates)
     solver = jacobian_solver(problem.fixed, problem.kernels.backend)
     first_smallest = float(corner_jacobians(*coordinates).min())
@@ -56,7 +65,10 @@ def solve_by_newton(
         if iteration == limit or control.holds_back:
             break
         guard = control.lowest(smallest)
-        step, damping, folds = _reduce(equations, solver, coordinates, residual, damping, guard, report.deadline)
+        allowed = _LARGEST_DAMPING if damps else 0.0
+        step, damping, folds = _reduce(
+            equations, solver, coordinates, residual, (damping, allowed), guard, report.deadline
+        )
         if step is None:
             why = f"no step lowers the residual's norm further; it is {norm:.2e}, {norm / first:.1e} of its first."
             return Outcome(Status.STALLED, why)
@@ -82,15 +94,16 @@ def _reduce(
     solver: LinearSolver,
     coordinates: Array,
     residual: Array,
-    damping: float,
+    dampings: tuple[float, float],
     guard: float,
     deadline: Deadline,
 ) -> tuple[Array | None, float, bool]:
     """Return a step that lowers the residual's norm (None if there is none), and the damping for the next one.
 
-    Also, whether a longer step was refused because it would have folded a cell.
+    Also, whether a longer step was refused because it would have folded a cell. Given are the damping of this step, and
+    the greatest one that is allowed.
     """
-    folds = False
+    folds, (damping, largest) = False, dampings
     norm, fixed = norm_of(residual), equations.problem.fixed
     if damping == 0.0:
         usable = solver.set_operator(equations.jacobian(coordinates))
@@ -102,11 +115,13 @@ def _reduce(
             elif norm_of(equations.residual(trial)) <= (1 - 1e-4 * length) * norm:
                 return length * direction, 0.0, folds
         damping = _FIRST_DAMPING
+        if largest < damping:
+            return None, 0.0, folds
     matrix = assemble_jacobian(equations.jacobian(coordinates), fixed)
     right = -to_vector(residual, fixed)
     normal, slope = (matrix.T @ matrix).tocsc(), matrix.T @ right
     size = normal.diagonal().mean()
-    while damping < _LARGEST_DAMPING:
+    while damping < largest:
         deadline.check()
         from scipy.sparse import identity
 

@@ -53,8 +53,8 @@ class Progress(LiveLine):
         Raises:
             StopRequest: if the callback asks for it, or the time is over.
         """
-        # Untangling runs many minimizations: their steps are counted through.
-        number = len(self.history) if self._stage == "untangle" else iteration
+        # These stages solve many problems: the steps of all are counted through.
+        number = len(self.history) if self._stage in ("untangle", "control") else iteration
         step = Step(number, energy, gradient_norm, min_jacobian, self._stage, self._shape)
         self.history.append(step)
         self._call(step)

@@ -18,7 +18,7 @@ class Step:
         energy: the discrete energy; NaN where the solver does not compute it.
         gradient_norm: Euclidean norm of the energy's gradient, or of the Euler-Lagrange residual, in the free nodes.
         min_jacobian: the smallest Jacobian at any corner of any cell.
-        stage: `minimize`, `untangle` or `solve`; a callback sees all stages, on coarser grids too.
+        stage: `minimize`, `untangle`, `solve` or `control`; a callback sees all stages, on coarser grids too.
         shape: nodes (ni, nj) of the grid that the step was on.
     """
 
