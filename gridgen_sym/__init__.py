@@ -75,12 +75,12 @@ if TYPE_CHECKING:
     from .grids import Quality as Quality
     from .grids import SideQuality as SideQuality
     from .grids import corner_jacobians as corner_jacobians
-    from .grids import quality as quality
     from .grids import transfinite as transfinite
     from .plotting import plot_certificates as plot_certificates
     from .plotting import plot_grid as plot_grid
     from .plotting import plot_grids as plot_grids
     from .solvers import ContinuationResult as ContinuationResult
+    from .solvers import LayoutResult as LayoutResult
     from .solvers import Result as Result
     from .solvers import Status as Status
     from .solvers import Step as Step
@@ -93,6 +93,10 @@ if TYPE_CHECKING:
     from .solvers import untangle as untangle
     from .solvers.continuation import continuation as continuation
     from .solvers.optimize import optimize as optimize
+    from .topology import Connection as Connection
+    from .topology import LayoutQuality as LayoutQuality
+    from .topology import MultiBlock as MultiBlock
+    from .topology import quality as quality
 
 #: The packages of the public names that are loaded when they are used.
 _PACKAGES = {
@@ -105,11 +109,12 @@ _PACKAGES = {
     "codegen.backend": "Backend register_backend",
     "fields": "Field SampledField Target Weight raster_field scattered_field",
     "functionals": "Functional define functional functionals",
-    "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians quality transfinite",
+    "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",
+    "topology": "Connection LayoutQuality MultiBlock quality",
     "solvers": (
-        "ContinuationResult Result Status Step StopReason airfoil_grid continuation energy gradient hessian optimize "
-        "solve_euler_lagrange untangle"
+        "ContinuationResult LayoutResult Result Status Step StopReason airfoil_grid continuation energy gradient "
+        "hessian optimize solve_euler_lagrange untangle"
     ),
 }
 _HOMES = {name: package for package, names in _PACKAGES.items() for name in names.split()}

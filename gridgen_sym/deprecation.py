@@ -12,11 +12,13 @@ _Returned = TypeVar("_Returned")
 
 
 def renamed_arguments(
-    **renamed: str,
+    *, stacklevel: int = 2, **renamed: str
 ) -> Callable[[Callable[_Parameters, _Returned]], Callable[_Parameters, _Returned]]:
     """Accept old names of keyword arguments, with a `DeprecationWarning` that gives the new ones.
 
     Args:
+        stacklevel: whose line the warning points to: 2 is the caller's of the function, and each decorator around this
+            one adds 1.
         **renamed: the new name of each old one.
 
     Raises:
@@ -31,7 +33,7 @@ def renamed_arguments(
             for old in renamed.keys() & keywords.keys():
                 new = renamed[old]
                 text = f"{name}({old}=...) is deprecated: the argument is called {new}"
-                warnings.warn(text, DeprecationWarning, stacklevel=2)
+                warnings.warn(text, DeprecationWarning, stacklevel=stacklevel)
                 if new in keywords:
                     raise TypeError(f"{name}() got {new} and its old name {old}: give {new} alone")
                 keywords[new] = keywords.pop(old)

@@ -18,15 +18,15 @@ LONGEST_FILE = 500
 #: A package imports only what stands before it, but for the packages on the ground, which import only each other.
 ORDER = (
     *("functionals", "symbolic", "codegen", "runtime", "backends"),
-    *("grids", "boundary", "certificates", "io", "fields", "plotting"),
+    *("grids", "boundary", "topology", "certificates", "io", "fields", "plotting"),
     *("solvers", "adaptation", "selfcheck", "paper_examples", "documentation", "cli"),
 )
 #: They know nothing of functionals and kernels.
-GROUND = {"grids", "boundary", "certificates", "io", "plotting"}
+GROUND = {"grids", "boundary", "topology", "certificates", "io", "plotting"}
 #: The order within a package that has packages of its own.
 INNER_ORDER = {
     "symbolic": ("derive", "classify", "report", "paper"),
-    "solvers": ("run", "linear", "sliding", "newton", "untangling", "multilevel", "equations"),
+    "solvers": ("run", "linear", "sliding", "newton", "untangling", "multilevel", "layout", "equations"),
 }
 #: Modules beside the packages that any package may use, and that use no package themselves.
 SHARED = {

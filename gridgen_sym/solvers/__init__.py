@@ -2,7 +2,7 @@
 
 `newton` minimizes over all nodes at once, `local` over one at a time, and `equations` solves the Euler–Lagrange
 equations; `multilevel` gives them their starts, `untangling` makes these valid, and `linear` solves their linear
-systems. `run` holds what all share: deadline, progress, result.
+systems. `layout` does the same for several blocks. `run` holds what all share: deadline, progress, result.
 """
 
 from .airfoil import airfoil_grid as airfoil_grid
@@ -12,6 +12,7 @@ from .equations.euler_lagrange import solve_euler_lagrange as solve_euler_lagran
 from .evaluate import energy as energy
 from .evaluate import gradient as gradient
 from .evaluate import hessian as hessian
+from .layout.result import LayoutResult as LayoutResult
 from .optimize import optimize as optimize
 from .optimize import untangle as untangle
 from .run.result import Result as Result

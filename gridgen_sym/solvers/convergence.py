@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from .folds import mean_jacobian
 from .iterate import Iterate
 from .run.status import Outcome, Status
 
@@ -69,7 +68,9 @@ def converged(what: str, norm: float, first: float, iteration: int, remark: str 
 
 def _is_steep(iterate: Iterate) -> bool:
     """Return whether a grid is nearly folded, before a barrier."""
-    return iterate.problem.kernels.barrier and iterate.smallest < _ALL_BUT_FOLDED * mean_jacobian(iterate.coordinates)
+    return iterate.problem.kernels.barrier and iterate.smallest < _ALL_BUT_FOLDED * iterate.problem.mean_jacobian(
+        iterate.coordinates
+    )
 
 
 def _round_off(iterate: Iterate) -> float:

@@ -19,6 +19,8 @@ from ..functionals.registry import functional as find_functional
 from ..grids import Grid
 from .binding import make_problem
 from .differentiability import missing_value
+from .layout.dispatch import on_several_blocks
+from .layout.evaluate import layout_energy, layout_gradient, layout_hessian
 from .linear.sparse import assemble_hessian
 from .logical import Spacing
 from .problem import Problem
@@ -31,7 +33,8 @@ def _problem(grid: Grid, functional: str | Functional, **given: Any) -> Problem:
     return problem
 
 
-@renamed_arguments(name="functional")
+@on_several_blocks(layout_energy, without=("walls", "interior_only"))
+@renamed_arguments(stacklevel=3, name="functional")
 def energy(
     grid: Grid,
     functional: str | Functional,
@@ -72,7 +75,8 @@ def energy(
     return found
 
 
-@renamed_arguments(name="functional")
+@on_several_blocks(layout_gradient, without=("walls", "interior_only"))
+@renamed_arguments(stacklevel=3, name="functional")
 def gradient(
     grid: Grid,
     functional: str | Functional,
@@ -107,7 +111,8 @@ def gradient(
     return np.stack(tuple(problem.energy_gradient(grid.planes)[2]), axis=-1)
 
 
-@renamed_arguments(name="functional")
+@on_several_blocks(layout_hessian, without=("walls", "interior_only"))
+@renamed_arguments(stacklevel=3, name="functional")
 def hessian(
     grid: Grid,
     functional: str | Functional,

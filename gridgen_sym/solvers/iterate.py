@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..arrays import Array
-from .problem import Problem
+from .energy_problem import EnergyProblem
 
 
 @dataclass(slots=True)
@@ -14,14 +14,14 @@ class Iterate:
 
     Attributes:
         problem: what is minimized.
-        coordinates: (2, ni, nj), changed in place by whoever moves; `evaluate` then renews the rest.
+        coordinates: in the problem's shape, changed in place by whoever moves; `evaluate` then renews the rest.
         energy: of the grid.
         smallest: Jacobian of all corners.
-        gradient: (2, ni, nj), zero at fixed nodes.
+        gradient: of that shape, zero at fixed nodes.
         norm: of the gradient.
     """
 
-    problem: Problem
+    problem: EnergyProblem
     coordinates: Array
     energy: float = field(init=False)
     smallest: float = field(init=False)

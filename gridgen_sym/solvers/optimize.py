@@ -20,6 +20,8 @@ from ..grids import Grid
 from ..grids.grid import check_grid
 from .binding import make_problem
 from .harmonic import move_sides
+from .layout.dispatch import on_several_blocks
+from .layout.optimize import optimize_layout, untangle_layout
 from .local import sweep_until_converged
 from .logical import LogicalRectangle, Spacing
 from .minimization import Run
@@ -40,7 +42,8 @@ _TOLERANCE, _TO_TARGET = 1e-6, 1e-12
 _LIMITS = {"newton": 1000, "local": 5000}
 
 
-@renamed_arguments(name="functional")
+@on_several_blocks(optimize_layout, without=("walls", "slide", "interior_only"))
+@renamed_arguments(stacklevel=3, name="functional")
 def optimize(
     grid: Grid,
     functional: str | Functional,
@@ -70,7 +73,8 @@ def optimize(
     (see `Result.certificates`), the least folded one is returned, with every cell unfolded that can be.
 
     Args:
-        grid: the start, for example from `transfinite`.
+        grid: the start, for example from `transfinite`; or several blocks, a `MultiBlock`, for which the result is
+            a `LayoutResult`.
         functional: what is minimized: a `Functional`, or its name.
         method: `newton` moves all nodes at once; `local` is the paper's method, one node at a time.
         weight: the paper's adaptive function: formula, function, array or `Weight`. A density that does not name
@@ -175,7 +179,8 @@ def optimize(
         return run_to_result(solve, run.result, report)
 
 
-@renamed_arguments(name="functional")
+@on_several_blocks(untangle_layout)
+@renamed_arguments(stacklevel=3, name="functional")
 def untangle(
     grid: Grid,
     functional: str | Functional = "winslow",
@@ -193,7 +198,7 @@ def untangle(
     the result is the least folded grid that was found, its message names the cells, and `converged` is False.
 
     Args:
-        grid: the start.
+        grid: the start, of one or several blocks.
         functional: one with a barrier at J = 0; the grid is near its minimum. A weight and a target have no part in
             what is valid; where the density declares fields, Winslow's barrier is taken.
         fixed: (ni, nj) mask of inner nodes that do not move.

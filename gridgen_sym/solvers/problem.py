@@ -12,11 +12,11 @@ from ..fields.inputs import DensityInputs
 from ..grids import corner_jacobians
 from ..runtime import KernelSet, Values
 from ..runtime.kernel_set import INDEX_STEPS
-from .folds import Folds
+from .folds import Folds, mean_jacobian
 from .harmonic import SIDES
 from .linear.solution import LinearSolver
 from .linear.systems import hessian_solver
-from .norms import mean_edge_length, norm_of, shortest_edges
+from .norms import inner, mean_edge_length, norm_of, shortest_edges
 from .sliding.slide import Slide
 
 
@@ -54,6 +54,11 @@ class Problem:
         """Area of the logical rectangle."""
         ni, nj = self.fixed.shape
         return float(self.steps[0] * (ni - 1) * self.steps[1] * (nj - 1))
+
+    @property
+    def lags(self) -> bool:
+        """Whether something is held while the nodes move, and evaluated again where they come to."""
+        return self.inputs is not None and self.inputs.lags
 
     def refresh(self, coordinates: Array) -> None:
         """Evaluate the weight and the fields at the nodes' present positions."""
@@ -216,6 +221,20 @@ class Problem:
     def measure_as(self, other: Problem) -> None:
         """Measure gradients as another problem does."""
         self._lengths = other._lengths
+
+    def shift(self, hessian: Array, part: float) -> None:
+        """Add to the diagonal of the stored half of a Hessian, in place, this part of its mean size."""
+        size = 0.5 * float(np.abs(hessian[0]).mean() + np.abs(hessian[2]).mean())
+        hessian[0] += part * size
+        hessian[2] += part * size
+
+    def mean_jacobian(self, coordinates: Array) -> float:
+        """Return the mean of the absolute Jacobians of the corners."""
+        return mean_jacobian(coordinates)
+
+    def inner(self, first: Array, second: Array) -> float:
+        """Return the inner product of two fields (2, ni, nj)."""
+        return inner(first, second)
 
     def norm(self, gradient: Array) -> float:
         """Return the norm of a gradient (2, ni, nj), in local lengths where gradients are measured so."""

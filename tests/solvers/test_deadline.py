@@ -92,7 +92,7 @@ def test_whenever_the_time_is_over_the_best_grid_so_far_is_returned(solve, start
 
 def test_a_window_is_left_in_time_and_what_it_has_done_is_kept():
     swept, point, asked = point_of(stretched()), point_of(stretched()), Ends(10**9)
-    sweep_standing_out(swept, asked)
+    sweep_standing_out(swept, swept.problem, asked)
     with pytest.raises(StopRequest):
         newton._eliminate(point, Ends(asked.asked + 6))
     point.evaluate()

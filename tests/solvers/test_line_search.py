@@ -10,10 +10,11 @@ import pytest
 import gridgen_sym as gg
 from gridgen_sym.errors import UnusableValueError
 from gridgen_sym.solvers.convergence import ConvergenceTest
+from gridgen_sym.solvers.folds import mean_jacobian
 from gridgen_sym.solvers.iterate import Iterate
 from gridgen_sym.solvers.newton.line_search import LineSearch
 from gridgen_sym.solvers.newton.steps import NewtonSteps
-from gridgen_sym.solvers.norms import norm_of
+from gridgen_sym.solvers.norms import inner, norm_of
 from gridgen_sym.solvers.run.deadline import Deadline
 from gridgen_sym.solvers.run.step_control import StepControl, diverges, jacobian_floor
 
@@ -22,17 +23,24 @@ class OneNumber:
     """An energy of the first coordinate alone; its Jacobian, too, is a function of it."""
 
     inputs = None
-    norm = staticmethod(norm_of)
+    norm, inner, mean_jacobian = staticmethod(norm_of), staticmethod(inner), staticmethod(mean_jacobian)
 
     def __init__(self, energy, slope, jacobian=lambda x: 1.0, scale=1.0, round_off=0.0, barrier=True):
         self._energy, self._slope, self._jacobian = energy, slope, jacobian
         self.scale, self.rounding = scale, round_off
         self.kernels = SimpleNamespace(barrier=barrier, polyconvex=True, planes=())
 
+    @property
+    def lags(self):
+        return self.inputs is not None and self.inputs.lags
+
     def refresh(self, coordinates):
         """There is no weight."""
 
     def retract(self, coordinates, *, trial=False):
+        """No node slides."""
+
+    def follow(self, coordinates):
         """No node slides."""
 
     def energy(self, coordinates):

@@ -105,7 +105,7 @@ def test_a_smooth_grid_is_left_alone():
     place = gg.domain("wavy", SIZE, SIZE).planes.copy()
     point = point_of(place.copy())
     point.gradient[...] = 1.0  # Nothing stands out.
-    sweep_standing_out(point, Deadline())
+    sweep_standing_out(point, point.problem, Deadline())
     assert np.array_equal(point.coordinates, place)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from ...arrays import Array
 
@@ -13,7 +13,7 @@ class Solution:
     """What a linear solver found.
 
     Attributes:
-        vector: (2, ni, nj), zero at fixed nodes.
+        vector: of the shape of the coordinates, zero at fixed nodes.
         iterations: number of products with the operator; 0 for a direct solver.
         reduction: of the residual's norm.
         positive: whether the operator, and what it is preconditioned by, was positive along every direction that was
@@ -29,13 +29,15 @@ class Solution:
 class LinearSolver(Protocol):
     """Solves with a stencil over the free nodes, given by its planes: of a Hessian, or of a Jacobian."""
 
-    def set_operator(self, planes: Array) -> bool:
-        """Take a stencil (contiguous planes), whose memory is the solver's until the next; return whether it can solve.
+    def set_operator(self, planes: Any) -> bool:  # noqa: ANN401
+        """Take a stencil (contiguous planes, or those of each block); return whether it can solve.
+
+        Its memory is the solver's until the next.
 
         The solutions, too, may be in that memory.
         """
         ...
 
     def solve(self, right: Array, tolerance: float) -> Solution:
-        """Solve for a right-hand side (2, ni, nj) that is zero at fixed nodes, to a relative residual."""
+        """Solve for a right-hand side, zero at fixed nodes, of the coordinates' shape, to a relative residual."""
         ...

@@ -9,7 +9,6 @@ import numpy as np
 from ...arrays import Array
 from ...errors import UnusableValueError
 from ..iterate import Iterate
-from ..norms import inner
 
 #: Armijo's constant, and how often a step is halved.
 _SUFFICIENT, _HALVINGS = 1e-4, 40
@@ -22,7 +21,7 @@ class LineSearch:
     Attributes:
         iterate: where the step begins.
         lowest: the Jacobian that no corner may fall to.
-        trial: (2, ni, nj), where trial grids are put.
+        trial: where trial grids are put.
         length: of the accepted step; 1 is the whole Newton step. Negative where it leads against its direction.
         energy: of the grid at the accepted length.
         folds: whether a longer step was refused because it would have folded a cell.
@@ -37,7 +36,7 @@ class LineSearch:
 
     def along(self, direction: Array) -> bool:
         """Find the longest step 1, 1/2, ... that lowers the energy enough and folds nothing."""
-        slope = inner(self.iterate.gradient, direction)
+        slope = self.iterate.problem.inner(self.iterate.gradient, direction)
         round_off = _noise(self.iterate.energy)
         self.length, self.folds = 1.0, False
         for _ in range(_HALVINGS):
@@ -54,7 +53,7 @@ class LineSearch:
 
         The direction is one of negative curvature; its own length has no meaning.
         """
-        sign = -1.0 if inner(self.iterate.gradient, direction) > 0 else 1.0
+        sign = -1.0 if self.iterate.problem.inner(self.iterate.gradient, direction) > 0 else 1.0
         length = sign * float(np.ptp(self.iterate.coordinates)) / float(np.abs(direction).max())
         least = self.iterate.energy - _noise(self.iterate.energy)
         self.length, self.folds = 0.0, False
@@ -83,8 +82,7 @@ class LineSearch:
     def _values_exist(self) -> bool:
         """Return whether values that are held now can be evaluated on the trial grid, once the step is taken."""
         problem = self.iterate.problem
-        lags = problem.inputs is not None and problem.inputs.lags
-        return not lags or problem.exists_at(self.trial)
+        return not problem.lags or problem.exists_at(self.trial)
 
 
 def _noise(energy: float) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...arrays import Array
 from ..convergence import ConvergenceTest, converged
+from ..energy_problem import EnergyProblem
 from ..iterate import Iterate
 from ..linear.solution import LinearSolver
 from ..problem import Problem
@@ -47,7 +48,7 @@ _WHY = {
 
 
 def minimize(
-    problem: Problem,
+    problem: EnergyProblem,
     coordinates: Array,
     progress: Progress,
     *,
@@ -63,7 +64,7 @@ def minimize(
 
     Args:
         problem: what is minimized.
-        coordinates: (2, ni, nj), the start and the result.
+        coordinates: the start and the result, in the problem's shape.
         progress: receives every step.
         tolerance: factor by which the gradient's norm must fall.
         max_iterations: Newton steps.
@@ -118,7 +119,7 @@ def minimize(
         if control.holds_back:
             more = " This is the best valid grid" + ("." if barrier else "; keep_valid=False lets cells fold.")
             return _stuck(Status.HELD_BACK, iterate, convergence, more)
-        if problem.inputs is not None and problem.inputs.lags and iteration - least[1] >= _UNSETTLED:
+        if problem.lags and iteration - least[1] >= _UNSETTLED:
             return _stuck(Status.UNSETTLED, iterate, convergence)
     return _stuck(Status.ITERATION_LIMIT, iterate, convergence, "" if barrier else str(control), steps=max_iterations)
 
@@ -127,13 +128,16 @@ def _eliminate(iterate: Iterate, deadline: Deadline) -> None:
     """Lower the energy where the gradient is large: by sweeps, while they are efficient, and in small subdomains.
 
     Args:
-        iterate: the grid, changed in place; a valid one stays valid.
+        iterate: the grid, changed in place; a valid one stays valid. Of several blocks nothing is done.
         deadline: of the run.
     """
-    sweep_standing_out(iterate, deadline)
-    parts = steep_subdomains(iterate)
+    problem = iterate.problem
+    if not isinstance(problem, Problem):
+        return
+    sweep_standing_out(iterate, problem, deadline)
+    parts = steep_subdomains(iterate, problem)
     for part in parts:
-        inside, place = restrict(iterate.problem, iterate.coordinates, part)
+        inside, place = restrict(problem, iterate.coordinates, part)
         unseen = Progress("subdomain", show=False, deadline=deadline)
         try:
             minimize(inside, place, unseen, tolerance=_WINDOW, max_iterations=_WINDOW_STEPS, keep_valid=True)

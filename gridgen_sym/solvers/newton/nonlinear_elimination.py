@@ -14,6 +14,7 @@ import numpy.typing as npt
 from ...arrays import Array
 from ..iterate import Iterate
 from ..local import sweep
+from ..problem import Problem
 from ..run.deadline import Deadline
 from ..run.step_control import jacobian_floor
 from ..subdomains import subdomains
@@ -30,9 +31,9 @@ _LAYERS, _HELD = 6, 0.9
 _SMALLEST = 4096
 
 
-def steep_subdomains(iterate: Iterate) -> list[tuple[slice, slice]]:
+def steep_subdomains(iterate: Iterate, problem: Problem) -> list[tuple[slice, slice]]:
     """Return small subdomains, as slices of nodes, that hold nearly all of the gradient; none where there are none."""
-    problem, coordinates = iterate.problem, iterate.coordinates
+    coordinates = iterate.coordinates
     # Values beside the metric, and the set of corners that count, depend on the whole grid.
     if problem.inputs is not None or problem.interior_only or coordinates[0].size < _SMALLEST:
         return []
@@ -43,7 +44,7 @@ def steep_subdomains(iterate: Iterate) -> list[tuple[slice, slice]]:
     return parts if held >= _HELD * float(squares.sum()) else []
 
 
-def sweep_standing_out(iterate: Iterate, deadline: Deadline, *, until_valid: bool = False) -> None:
+def sweep_standing_out(iterate: Iterate, problem: Problem, deadline: Deadline, *, until_valid: bool = False) -> None:
     """Sweep over outstanding nodes, in place, while that is efficient, or up to the first valid grid."""
     last, reach = np.inf, 1e3 * float(np.ptp(iterate.coordinates))
     while iterate.norm < _WORTH_WHILE * last and not (until_valid and iterate.smallest > 0):
@@ -51,9 +52,9 @@ def sweep_standing_out(iterate: Iterate, deadline: Deadline, *, until_valid: boo
         standing = _standing_out(_squares(iterate.gradient), _SWEPT)
         if standing is None:
             break
-        held = np.asarray(~standing | (iterate.problem.fixed != 0), dtype=np.uint8)
+        held = np.asarray(~standing | (problem.fixed != 0), dtype=np.uint8)
         floor = jacobian_floor(iterate.smallest) if iterate.smallest > 0 else -1.0
-        sweep(iterate.problem, iterate.coordinates, held, floor=floor, reach=reach)
+        sweep(problem, iterate.coordinates, held, floor=floor, reach=reach)
         last = iterate.norm
         iterate.evaluate()
 

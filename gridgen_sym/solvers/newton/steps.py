@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
+from ..energy_problem import EnergyProblem
 from ..linear.solution import LinearSolver, Solution
-from ..problem import Problem
 from ..run.deadline import Deadline
 from .line_search import LineSearch
 
@@ -45,7 +46,7 @@ class NewtonSteps:
             saddle point, and only a direction of negative curvature leads away from it.
     """
 
-    problem: Problem
+    problem: EnergyProblem
     solver: LinearSolver
     deadline: Deadline
     only_semidefinite: bool
@@ -54,7 +55,7 @@ class NewtonSteps:
     forcing: float = _LOOSEST
     stalls: int = 0
     exact: bool = False
-    planes: Array | None = None
+    planes: Any = None
 
     @property
     def clamps(self) -> bool:
@@ -91,9 +92,7 @@ class NewtonSteps:
         # The semidefinite Hessian may be singular (area's is); a small shift makes it definite.
         shift = max(self.shift, _SMALLEST_SHIFT) if semidefinite else self.shift
         if shift:
-            size = 0.5 * float(np.abs(self.planes[0]).mean() + np.abs(self.planes[2]).mean())
-            self.planes[0] += shift * size
-            self.planes[2] += shift * size
+            self.problem.shift(self.planes, shift)
         if not self.solver.set_operator(self.planes):
             return None
         solution = self.solver.solve(search.iterate.gradient, self.forcing)

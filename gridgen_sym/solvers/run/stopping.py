@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 from ...runtime.process import time_limited
 from .deadline import StopRequest
 from .progress import Progress
-from .result import Result
 from .status import Outcome, Status, StopReason
 
+Made = TypeVar("Made")
 
-def run_to_result(solve: Callable[[], Outcome], result: Callable[[Outcome], Result], report: Progress) -> Result:
+
+def run_to_result(solve: Callable[[], Outcome], result: Callable[[Outcome], Made], report: Progress) -> Made:
     """Run a solver until it ends or is stopped, and return its result so far.
 
     Compilations within honor the deadline, too; only what the energy of the result needs is compiled without a limit.

@@ -1,0 +1,117 @@
+"""Fields on several blocks, one after the other in one array, and sums over the copies of nodes.
+
+A field is *consistent* where all copies of a node have the same vector, each in its own turn; a coordinate, a step, a
+corrected position are so. It is *distributed* where the vector of a node is the sum over its copies; what each block
+computes from its own cells, a gradient or a product with its own Hessian, is so at first. The inner product of a
+distributed field and a consistent one needs no weights.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from ...arrays import Array, Mask
+from ...topology.copies import Copies
+
+
+class Exchange:
+    """The places of blocks in one array, and of the copies of nodes.
+
+    Attributes:
+        shapes: (ni, nj) of the blocks.
+        size: of the array: two numbers for each copy of a node.
+    """
+
+    __slots__ = ("_again", "_begin", "_copies", "_places", "_turn", "_turns", "shapes", "size")
+
+    def __init__(self, copies: Copies, shapes: Sequence[tuple[int, int]]) -> None:
+        """Number the blocks' nodes: block after block, each as planes (2, ni, nj)."""
+        self._copies = copies
+        self.shapes = tuple(shapes)
+        counts = np.array([ni * nj for ni, nj in shapes])
+        self._begin = np.concatenate(([0], np.cumsum(2 * counts)))
+        self.size = int(self._begin[-1])
+        widths = np.array([nj for _, nj in shapes])
+        first = self._begin[copies.block] + copies.i * widths[copies.block] + copies.j
+        self._places = np.stack((first, first + counts[copies.block]))
+        self._again = np.delete(self._places, copies.starts, axis=1)
+        self._turn, self._turns = copies.turn, bool((copies.turn[0] != 1).any())
+
+    def views(self, field: Array) -> list[Array]:
+        """Return the blocks of a field, (2, ni, nj) each, in its memory."""
+        return [
+            field[begin:end].reshape(2, *shape)
+            for begin, end, shape in zip(self._begin[:-1], self._begin[1:], self.shapes, strict=True)
+        ]
+
+    def join(self, blocks: Sequence[Array]) -> Array:
+        """Return one array of blocks (2, ni, nj)."""
+        return np.concatenate([np.ravel(block) for block in blocks])
+
+    def sums(self, field: Array) -> Array:
+        """Return the sums over the copies of every node, (2, nodes), in the turn of the first copy."""
+        parts = self._turned(field[self._places], back=True)
+        return np.add.reduceat(parts, self._copies.starts, axis=1) if parts.size else parts
+
+    def spread(self, vectors: Array, field: Array) -> None:
+        """Give every copy the vector of its node (2, nodes), in place."""
+        field[self._places] = self._turned(np.repeat(vectors, self._copies.counts, axis=1), back=False)
+
+    def make_consistent(self, field: Array) -> Array:
+        """Sum a distributed field over copies, in place, and return it."""
+        self.spread(self.sums(field), field)
+        return field
+
+    def of_first_copies(self, field: Array) -> Array:
+        """Return a field in which every copy has the vector of the first one."""
+        same = field.copy()
+        self.spread(field[self._places[:, self._copies.starts]], same)
+        return same
+
+    def distributed(self, field: Array) -> Array:
+        """Return a consistent field as a distributed one: what the first copy has, and zero at the others."""
+        parts = field.copy()
+        parts[self._again] = 0.0
+        return parts
+
+    def inner(self, first: Array, second: Array) -> float:
+        """Return the inner product of two consistent fields, in which every node counts once."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            every = float(np.einsum("n,n->", first, second))
+            return every - float(np.einsum("cn,cn->", first[self._again], second[self._again]))
+
+    def _turned(self, vectors: Array, *, back: bool) -> Array:
+        if not self._turns:
+            return vectors
+        c, s = self._turn[0], -self._turn[1] if back else self._turn[1]
+        return np.stack((c * vectors[0] - s * vectors[1], s * vectors[0] + c * vectors[1]))
+
+
+def node_numbers(copies: Copies, fixed: Sequence[Mask]) -> tuple[list[npt.NDArray[np.int64]], int]:
+    """Number the free nodes of blocks; the copies of a node have one number, fixed nodes -1.
+
+    Returns:
+        For each block the numbers (ni, nj); and how many there are.
+    """
+    numbers = [np.full(mask.shape, -1, dtype=np.int64) for mask in fixed]
+    free_copies = [mask == 0 for mask in fixed]
+    count = 0
+    node = np.repeat(np.arange(len(copies.starts)), copies.counts)
+    entry_free = np.array(
+        [fixed[b][i, j] == 0 for b, i, j in zip(copies.block, copies.i, copies.j, strict=True)], dtype=bool
+    )
+    kept = np.unique(node[entry_free])
+    count = len(kept)
+    for b, i, j, number, free in zip(
+        copies.block, copies.i, copies.j, np.searchsorted(kept, node), entry_free, strict=True
+    ):
+        numbers[b][i, j] = number if free else -1
+        free_copies[b][i, j] = False
+    for of_block, free in zip(numbers, free_copies, strict=True):
+        own = int(free.sum())
+        of_block[free] = np.arange(count, count + own)
+        count += own
+    return numbers, count

@@ -1,0 +1,212 @@
+"""Minimize a functional over a grid of several blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy.typing as npt
+
+from ...arrays import Array
+from ...errors import GridgenError, quoted
+from ...fields.target import Target
+from ...fields.weight import Source, Weight
+from ...functionals.definition import Functional
+from ...functionals.registry import functional as find_functional
+from ...grids import Grid
+from ...topology import MultiBlock
+from ...topology.quality import quality
+from ..logical import Spacing
+from ..newton.minimize import minimize
+from ..run.checks import check_controls
+from ..run.deadline import Deadline
+from ..run.progress import Callback, Progress
+from ..run.status import Outcome, Status
+from ..run.stopping import run_to_result
+from .binding import logical_rectangles, make_layout_problem
+from .nested import NestedLayouts
+from .problem import LayoutProblem
+from .result import LayoutResult
+from .untangle import untangle_blocks
+
+#: Factors by which the gradient must fall, as for one block.
+_TOLERANCE, _TO_TARGET, _STEPS = 1e-6, 1e-12, 1000
+#: What made a folded start valid.
+_NESTED, _REGULARIZED = "nested iteration", "regularized barrier at all nodes"
+_NO_PROGRESS = "untangling made no more progress; this is the least folded grid found."
+
+
+@dataclass(slots=True)
+class _Run:
+    """The state of a run: the best coordinates so far, and how they were reached."""
+
+    layout: MultiBlock
+    problem: LayoutProblem
+    coordinates: Array
+    report: Progress
+    untangled_by: str = ""
+
+    def result(self, outcome: Outcome) -> LayoutResult:
+        """Return the result, which reports folded cells."""
+        self.problem.refresh(self.coordinates)
+        grid = self.layout.moved(self.problem.exchange.views(self.coordinates))
+        measured, status, message = quality(grid), outcome.status, outcome.message
+        if self.untangled_by:
+            message = f"The grid was folded at the start and was untangled first ({self.untangled_by}): {message}"
+        if not measured.valid:
+            status = status if status.stop_reason else Status.FOLDED
+            message = f"{message} {measured.describe_folds()}"
+        return LayoutResult(
+            grid=grid,
+            converged=outcome.converged and (measured.valid or not self.problem.kernels.barrier),
+            status=status,
+            message=message.strip(),
+            iterations=max(len(self.report.history) - 1, 0),
+            energy=self.problem.energy(self.coordinates)[0],
+            history=tuple(self.report.history),
+            untangled_by=self.untangled_by,
+        )
+
+
+def optimize_layout(
+    grid: MultiBlock,
+    functional: str | Functional,
+    method: str = "newton",
+    *,
+    weight: Weight | Source | Mapping[str, object] | None = None,
+    fields: Mapping[str, object] | None = None,
+    target: Target | Grid | MultiBlock | Mapping[str, object] | None = None,
+    fixed: Mapping[str, npt.ArrayLike] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    tolerance: float | None = None,
+    max_iterations: int | None = None,
+    keep_valid: bool = True,
+    spacing: Spacing = "unit",
+    callback: Callback | None = None,
+    time_limit: float | None = None,
+    progress: bool | None = None,
+    backend: str | None = None,
+) -> LayoutResult:
+    """Minimize a functional over a grid of several blocks; see `gridgen_sym.optimize`.
+
+    Connected nodes move like inner ones; the outer boundary stays. `fixed`, and values that are given as a mapping from
+    the names of blocks, are for each block.
+
+    Raises:
+        GridgenError: for input that cannot be used.
+    """
+    if method != "newton":
+        raise GridgenError(f"several blocks are optimized by method='newton'; came {quoted(method)}")
+    if tolerance is None:
+        tolerance = _TOLERANCE if target is None else _TO_TARGET
+    check_controls(tolerance, max_iterations, callback, time_limit)
+    definition = find_functional(functional)
+    home, rectangles = [block.shape for block in grid.blocks], logical_rectangles(grid, spacing)
+
+    def make(on: MultiBlock) -> LayoutProblem:
+        return make_layout_problem(
+            on,
+            definition,
+            weight=weight,
+            fields=fields,
+            target=target if on is grid or not isinstance(target, MultiBlock) else _blocks_of(target),
+            fixed=fixed if on is grid else None,
+            parameters=parameters,
+            rectangles=rectangles,
+            arrays_of=home,
+            backend=backend,
+        )
+
+    limit = _STEPS if max_iterations is None else max_iterations
+    with Progress(f"{definition.name}, {len(grid)} blocks", callback, progress, Deadline(time_limit)) as report:
+        problem = make(grid)
+        run = _Run(grid, problem, problem.exchange.join([block.planes for block in grid.blocks]), report)
+
+        def solve() -> Outcome:
+            folded = problem.kernels.barrier and not problem.energy(run.coordinates)[1] > 0
+            if limit and not fixed:
+                start = NestedLayouts(make, definition, parameters, report).start(grid, problem)
+                _take(run, start, folded=folded)
+            if problem.kernels.barrier and not problem.energy(run.coordinates)[1] > 0:
+                report.begin("untangle", (grid.node_count, 1))
+                if not untangle_blocks(problem, definition, run.coordinates, parameters, report):
+                    return Outcome(Status.FOLDED, _NO_PROGRESS)
+                run.untangled_by = _REGULARIZED
+            report.begin("minimize", (grid.node_count, 1))
+            return minimize(
+                problem,
+                run.coordinates,
+                report,
+                tolerance=tolerance,
+                max_iterations=limit,
+                keep_valid=keep_valid,
+            )
+
+        return run_to_result(solve, run.result, report)
+
+
+def _blocks_of(target: MultiBlock) -> dict[str, Grid]:
+    return dict(zip(target.names, target.blocks, strict=True))
+
+
+def _take(run: _Run, start: Array, *, folded: bool) -> None:
+    """Take the start that coarse layouts gave, if it is less folded, or of lower energy."""
+    problem = run.problem
+    problem.refresh(start)
+    energy, smallest = problem.energy(start)
+    problem.refresh(run.coordinates)
+    before, least = problem.energy(run.coordinates)
+    if folded or not min(smallest, least) > 0:
+        better = problem.folds(start) < problem.folds(run.coordinates)
+    else:
+        better = energy < before
+    if better:
+        run.coordinates = start
+        run.untangled_by = _NESTED if folded and smallest > 0 else ""
+    problem.refresh(run.coordinates)
+
+
+def untangle_layout(
+    grid: MultiBlock,
+    functional: str | Functional = "winslow",
+    *,
+    fixed: Mapping[str, npt.ArrayLike] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    callback: Callback | None = None,
+    time_limit: float | None = None,
+    progress: bool | None = None,
+    backend: str | None = None,
+) -> LayoutResult:
+    """Make a folded grid of several blocks valid; a valid one is returned as it is. See `gridgen_sym.untangle`."""
+    definition = find_functional(functional)
+    if definition.fields:
+        definition = find_functional("winslow")
+    check_controls(0.5, None, callback, time_limit)
+
+    def make(on: MultiBlock) -> LayoutProblem:
+        return make_layout_problem(
+            on, definition, fixed=fixed if on is grid else None, parameters=parameters, backend=backend
+        )
+
+    problem = make(grid)
+    if not problem.kernels.barrier:
+        raise GridgenError(
+            f"untangling needs a functional with a barrier at J = 0, such as winslow; {definition.name!r} has none"
+        )
+    with Progress(f"{definition.name}, untangle", callback, progress, Deadline(time_limit)) as report:
+        run = _Run(grid, problem, problem.exchange.join([block.planes for block in grid.blocks]), report)
+
+        def solve() -> Outcome:
+            folded = not problem.energy(run.coordinates)[1] > 0
+            if folded and not fixed:
+                _take(run, NestedLayouts(make, definition, parameters, report).start(grid, problem), folded=True)
+            report.begin("untangle", (grid.node_count, 1))
+            valid = problem.folds(run.coordinates).cells == 0 or untangle_blocks(
+                problem, definition, run.coordinates, parameters, report
+            )
+            run.untangled_by = run.untangled_by or (_REGULARIZED if folded and valid else "")
+            if valid:
+                return Outcome(Status.CONVERGED, "every corner's Jacobian is positive.")
+            return Outcome(Status.FOLDED, _NO_PROGRESS)
+
+        return run_to_result(solve, run.result, report)

@@ -1,0 +1,149 @@
+"""The discrete problem on several blocks: the kernels of a functional on each, and sums over the copies of nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...arrays import Array, Mask
+from ...errors import UnusableValueError
+from ...runtime import KernelSet
+from ...topology.copies import Copies
+from ..folds import Folds
+from ..linear.solution import LinearSolver
+from ..norms import mean_edge_length
+from ..problem import Problem
+from .exchange import Exchange
+from .linear import layout_solver
+
+
+class LayoutProblem:
+    """Energy, gradient and Hessian as functions of one array with the coordinates of all blocks; see `Exchange`.
+
+    Attributes:
+        blocks: the problem on each block; their own masks of fixed nodes have no part in it.
+        copies: the nodes with several copies.
+        fixed: for each block the mask of nodes that do not move.
+        exchange: joins blocks, and sums over copies.
+    """
+
+    def __init__(self, blocks: Sequence[Problem], copies: Copies, fixed: Sequence[Mask]) -> None:
+        """Join the problems of blocks."""
+        self.blocks, self.copies, self.fixed = tuple(blocks), copies, tuple(fixed)
+        self.exchange = Exchange(copies, [mask.shape for mask in self.fixed])
+        self._held = self.exchange.join([np.stack((mask, mask)) for mask in self.fixed]) != 0
+
+    @property
+    def kernels(self) -> KernelSet:
+        """Those of the functional, in the variant of all blocks."""
+        return self.blocks[0].kernels
+
+    @property
+    def lags(self) -> bool:
+        """Whether something is held while the nodes move, and evaluated again where they come to."""
+        return any(block.lags for block in self.blocks)
+
+    def _each(self, coordinates: Array) -> list[tuple[Problem, Array]]:
+        return list(zip(self.blocks, self.exchange.views(coordinates), strict=True))
+
+    def refresh(self, coordinates: Array) -> None:
+        """Evaluate weights and fields at the nodes' present positions."""
+        for block, place in self._each(coordinates):
+            block.refresh(place)
+
+    def exists_at(self, coordinates: Array) -> bool:
+        """Return whether everything that the density is given can be evaluated at coordinates."""
+        return all(block.exists_at(place) for block, place in self._each(coordinates))
+
+    def energy(self, coordinates: Array) -> tuple[float, float]:
+        """Return the energy and the smallest Jacobian."""
+        found = [block.energy(place) for block, place in self._each(coordinates)]
+        return sum(energy for energy, _ in found), _smallest(smallest for _, smallest in found)
+
+    def energy_gradient(self, coordinates: Array, out: Array | None = None) -> tuple[float, float, Array]:
+        """Return the energy, the smallest Jacobian and the gradient, consistent and zero at fixed nodes."""
+        gradient = np.empty(self.exchange.size) if out is None else out
+        total, least = 0.0, []
+        for (block, place), part in zip(self._each(coordinates), self.exchange.views(gradient), strict=True):
+            energy, smallest, _ = block.kernels.energy_gradient(place, block.values(place), block.steps, out=part)
+            total += energy
+            least.append(smallest)
+        gradient[self._held] = 0.0
+        return total, _smallest(least), self.exchange.make_consistent(gradient)
+
+    def hessian(self, coordinates: Array, *, semidefinite: bool = False, out: list[Array] | None = None) -> list[Array]:
+        """Return for each block the stored half of the Hessian (19, ni, nj) of its own cells."""
+        before: Sequence[Array | None] = [None] * len(self.blocks) if out is None else out
+        return [
+            block.kernels.hessian(place, block.values(place), block.steps, semidefinite=semidefinite, out=kept)
+            for (block, place), kept in zip(self._each(coordinates), before, strict=True)
+        ]
+
+    def shift(self, hessian: list[Array], part: float) -> None:
+        """Add to the diagonals of all blocks, in place, this part of their mean size."""
+        nodes = sum(planes[0].size for planes in hessian)
+        size = 0.5 * sum(float(np.abs(planes[0]).sum() + np.abs(planes[2]).sum()) for planes in hessian) / nodes
+        for planes in hessian:
+            planes[0] += part * size
+            planes[2] += part * size
+
+    def solver(self) -> LinearSolver:
+        """Return what solves the linear systems of Newton's method."""
+        return layout_solver(self.exchange, self.copies, self.fixed, self.kernels.backend)
+
+    def retract(self, coordinates: Array, *, trial: bool = False) -> None:
+        """Do nothing: no node slides."""
+
+    def follow(self, coordinates: Array) -> None:
+        """Do nothing: no node slides."""
+
+    def inner(self, first: Array, second: Array) -> float:
+        """Return the inner product of two consistent fields."""
+        return self.exchange.inner(first, second)
+
+    def norm(self, gradient: Array) -> float:
+        """Return the norm of a consistent field."""
+        return float(np.sqrt(max(self.inner(gradient, gradient), 0.0)))
+
+    def gradient_scale(self, coordinates: Array, energy: float) -> float:
+        """Return the norm that the gradient of this energy has on a grid far from its minimum; see `Problem`."""
+        spacing = np.mean([mean_edge_length(place) for place in self.exchange.views(coordinates)])
+        return abs(energy) / float(spacing * np.sqrt(coordinates.size / 2)) if spacing > 0 else 0.0
+
+    def mean_jacobian(self, coordinates: Array) -> float:
+        """Return the mean of the absolute Jacobians of the corners."""
+        means = [block.mean_jacobian(place) for block, place in self._each(coordinates)]
+        return float(np.average(means, weights=[mask.size for mask in self.fixed]))
+
+    def round_off(self, coordinates: Array, gradient: Array) -> float:
+        """Return the norm below which the gradient cannot be distinguished from zero; see `Problem`."""
+        size = float(np.abs(coordinates).max())
+        spacing = float(np.mean([mean_edge_length(place) for place in self.exchange.views(coordinates)]))
+        little, random = 1e-4 * spacing, np.random.default_rng(0)
+        moved = random.choice((-little, little), coordinates.shape)
+        moved = self.exchange.of_first_copies(moved)  # Copies move alike.
+        moved += coordinates
+        try:
+            energy, _, there = self.energy_gradient(moved)
+        except UnusableValueError:
+            return 0.0
+        finally:
+            self.refresh(coordinates)
+        there -= gradient
+        change, eps = self.norm(there), float(np.finfo(float).eps)
+        summed = 10 * eps * self.gradient_scale(coordinates, 1.0) * abs(energy) if np.isfinite(energy) else 0.0
+        return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
+
+    def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:
+        """Count the folds; with `mendable`, only those that moving the free nodes may repair."""
+        found = [
+            Folds.of(place, fixed if mendable else None, block.kernels.smallest_jacobians(place))
+            for (block, place), fixed in zip(self._each(coordinates), self.fixed, strict=True)
+        ]
+        return Folds(sum(one.cells for one in found), max(one.depth for one in found))
+
+
+def _smallest(values: object) -> float:
+    """Return the smallest of numbers; NaN if one of them is none."""
+    return float(np.min(list(values)))  # type: ignore[call-overload]

@@ -1,0 +1,195 @@
+"""A grid of several blocks: which parts of their sides are the same nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..arrays import Array, Mask
+from ..errors import GridgenError, quoted
+from ..grids import Grid
+from ..grids.grid import check_grid
+from .coincidence import coinciding_parts
+from .connection import IDENTITY, Connection, PartLike, SidePart, side_part
+from .copies import Bond, Copies
+from .directions import halved_bonds
+from .identify import identify
+
+#: What a user may say of connections.
+Connections = Literal["auto"] | Sequence[Connection | Literal["auto"]]
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class MultiBlock:
+    """Blocks that are one grid: an immutable value.
+
+    Connected nodes are one node with a copy in each block; they move like inner nodes. All other boundary nodes are the
+    outer boundary.
+
+    Attributes:
+        blocks: the grids, with equal copies of connected nodes.
+        names: of the blocks.
+        bonds: what is connected, part by part.
+        boundaries: parts of the outer boundary by name, such as `wall` or `farfield`.
+        copies: the nodes with several copies.
+        outer: for each block the mask (ni, nj) of nodes on the outer boundary.
+    """
+
+    blocks: tuple[Grid, ...]
+    names: tuple[str, ...]
+    bonds: tuple[Bond, ...]
+    boundaries: Mapping[str, tuple[SidePart, ...]]
+    copies: Copies
+    outer: tuple[Mask, ...]
+
+    def __init__(
+        self,
+        blocks: Sequence[Grid] | Mapping[str, Grid],
+        connections: Connections = "auto",
+        *,
+        boundaries: Mapping[str, Sequence[PartLike]] | None = None,
+    ) -> None:
+        """Connect blocks.
+
+        Args:
+            blocks: the grids, all with positive Jacobians or to be untangled to such; with names, or named by their
+                numbers.
+            connections: `auto` for all parts of sides whose nodes coincide; or connections, among which `auto` may be,
+                too.
+            boundaries: names of parts of the outer boundary, each a sequence of parts such as
+                `("a", "bottom", (24, 88))`.
+
+        Raises:
+            GridgenError: for blocks that are no grids, parts of sides with different numbers of nodes or more than one
+                connection, and connected nodes that lie apart.
+        """
+        named = dict(blocks) if isinstance(blocks, Mapping) else {str(k): grid for k, grid in enumerate(blocks)}
+        if not named:
+            raise GridgenError("a layout needs at least one block")
+        for grid in named.values():
+            check_grid(grid)
+        grids, names = tuple(named.values()), tuple(named)
+        numbers, shapes = {name: k for k, name in enumerate(names)}, [grid.shape for grid in grids]
+        bonds = _bonds(connections, grids, names)
+        taken = _check_disjoint(bonds, shapes, names)
+        copies, planes, outer = identify(grids, bonds, names)
+        parts = {
+            str(name): tuple(side_part(part, numbers, shapes) for part in given)
+            for name, given in (boundaries or {}).items()
+        }
+        _check_outer(parts, taken, names)
+        for name, value in (
+            ("blocks", tuple(Grid.from_planes(*plane) for plane in planes)),
+            ("names", names),
+            ("bonds", bonds),
+            ("boundaries", parts),
+            ("copies", copies),
+            ("outer", tuple(outer)),
+        ):
+            object.__setattr__(self, name, value)
+
+    def __len__(self) -> int:
+        """The number of blocks."""
+        return len(self.blocks)
+
+    def __getitem__(self, block: int | str) -> Grid:
+        """Return a block by its number or name."""
+        if isinstance(block, str) and block not in self.names:
+            raise GridgenError(f"unknown block {quoted(block)}: the blocks are {', '.join(self.names)}")
+        return self.blocks[self.names.index(block) if isinstance(block, str) else block]
+
+    def __repr__(self) -> str:
+        """Report the sizes, not the numbers."""
+        sizes = ", ".join(
+            f"{name}: {grid.shape[0]} x {grid.shape[1]}" for name, grid in zip(self.names, self.blocks, strict=True)
+        )
+        return f"MultiBlock({sizes}; {len(self.bonds)} connections)"
+
+    @property
+    def node_count(self) -> int:
+        """The number of different nodes."""
+        every = sum(grid.shape[0] * grid.shape[1] for grid in self.blocks)
+        return every - len(self.copies.block) + len(self.copies.starts)
+
+    def moved(self, planes: Sequence[Array]) -> MultiBlock:
+        """Return the same layout with other coordinates, (2, ni, nj) for each block, whose copies are equal."""
+        return self._with(blocks=tuple(Grid.from_planes(*plane) for plane in planes))
+
+    def coarsened(self, halved: Sequence[tuple[bool, bool]]) -> MultiBlock:
+        """Return the layout with every second node, whose named boundaries are left out.
+
+        Args:
+            halved: for each block whether its rows and its columns are halved, as `halvable_groups` allows.
+        """
+        kept = [(slice(None, None, 1 + rows), slice(None, None, 1 + columns)) for rows, columns in halved]
+        return self._with(
+            blocks=tuple(
+                Grid.from_planes(*grid.planes[:, rows, columns])
+                for grid, (rows, columns) in zip(self.blocks, kept, strict=True)
+            ),
+            bonds=tuple(halved_bonds(self.bonds, halved)),
+            boundaries={},
+            copies=self.copies.coarsened(halved),
+            outer=tuple(np.ascontiguousarray(mask[at]) for mask, at in zip(self.outer, kept, strict=True)),
+        )
+
+    def _with(self, **changed: object) -> MultiBlock:
+        made = object.__new__(MultiBlock)
+        for name in ("blocks", "names", "bonds", "boundaries", "copies", "outer"):
+            object.__setattr__(made, name, changed.get(name, getattr(self, name)))
+        return made
+
+
+def _bonds(connections: Connections, grids: Sequence[Grid], names: Sequence[str]) -> tuple[Bond, ...]:
+    """Return what is connected, with parts that are checked."""
+    if isinstance(connections, str) and connections != "auto":
+        raise GridgenError(f"connections are 'auto', or a sequence of Connection; came {quoted(connections)}")
+    given = ("auto",) if isinstance(connections, str) else tuple(connections)
+    numbers, shapes = {name: k for k, name in enumerate(names)}, [grid.shape for grid in grids]
+    bonds = []
+    for one in given:
+        if isinstance(one, Connection):
+            bonds.append(Bond(side_part(one.one, numbers, shapes), side_part(one.other, numbers, shapes), one.motion))
+        elif one != "auto":
+            raise GridgenError(f"a connection is a Connection or 'auto'; came {quoted(one)}")
+    if "auto" in given:
+        said = {(part.block, part.side) for bond in bonds for part in (bond.one, bond.other)}
+        for part, other in coinciding_parts(grids, names):
+            if not {(part.block, part.side), (other.block, other.side)} & said:
+                bonds.append(Bond(part, other, IDENTITY))
+    for bond in bonds:
+        if bond.one.count != bond.other.count:
+            raise GridgenError(
+                f"connected parts must have as many nodes, but {bond.one.described(names)} have {bond.one.count} and "
+                f"{bond.other.described(names)} have {bond.other.count}"
+            )
+    return tuple(bonds)
+
+
+def _check_disjoint(
+    bonds: Sequence[Bond], shapes: Sequence[tuple[int, int]], names: Sequence[str]
+) -> dict[tuple[int, str], Mask]:
+    """Refuse an edge that belongs to two connections; return for each side which edges are connected."""
+    taken: dict[tuple[int, str], Mask] = {}
+    for part in (part for bond in bonds for part in (bond.one, bond.other)):
+        shape = shapes[part.block]
+        edges = taken.setdefault((part.block, part.side), np.zeros(shape[part.axis] - 1, dtype=np.uint8))
+        if edges[part.first : part.last].any():
+            raise GridgenError(
+                f"{part.described(names)} are connected twice: give each edge of a side one connection at most"
+            )
+        edges[part.first : part.last] = 1
+    return taken
+
+
+def _check_outer(
+    parts: Mapping[str, Sequence[SidePart]], taken: Mapping[tuple[int, str], Mask], names: Sequence[str]
+) -> None:
+    """Refuse a named part of the outer boundary that is connected."""
+    for name, part in ((name, part) for name, given in parts.items() for part in given):
+        edges = taken.get((part.block, part.side))
+        if edges is not None and edges[part.first : part.last].any():
+            raise GridgenError(f"{part.described(names)} cannot be the boundary {name!r}: they are connected")

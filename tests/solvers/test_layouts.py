@@ -1,0 +1,221 @@
+"""Several blocks are minimized as one grid: known answers, each to rounding."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from layouts import assembled, butterfly, cut, ring
+
+import gridgen_sym as gg
+from gridgen_sym.solvers.layout.binding import make_layout_problem
+
+SIZE = (13, 17)
+CUTS = {
+    "1 x 2": ((0, 12), (0, 8, 16)),
+    "2 x 2": ((0, 6, 12), (0, 4, 16)),
+    "3 x 5": ((0, 2, 5, 12), (0, 2, 5, 9, 12, 16)),
+}
+RANDOM = np.random.default_rng(3)
+CUTS["random"] = tuple(
+    (0, *sorted(RANDOM.choice(np.arange(1, count // 2), 2, replace=False) * 2), count - 1) for count in SIZE
+)
+
+
+@pytest.fixture(scope="module")
+def own():
+    """A user's functional, and a reference grid for a target."""
+    reference = gg.optimize(gg.domain("swan", *SIZE), "area_winslow", weight="1 + 3*x**2").grid
+    return gg.Functional("own", "g11**2/J**2 + (g22 + g11)/J"), reference
+
+
+CASES = [
+    pytest.param("winslow", {}, id="winslow"),
+    pytest.param("modified_liao", {}, id="modified_liao"),
+    pytest.param("area_winslow", {"weight": "1 + x**2"}, id="area_winslow"),
+    pytest.param("own", {}, id="own", marks=pytest.mark.slow),
+    pytest.param("target", {}, id="target"),
+]
+
+
+@pytest.mark.parametrize(("name", "given"), CASES)
+@pytest.mark.parametrize("lines", CUTS.values(), ids=CUTS)
+def test_a_grid_is_the_same_however_it_is_cut(lines, name, given, own):
+    functional = {"own": own[0], "target": "winslow"}.get(name, name)
+    start = gg.domain("swan" if name == "target" else "wavy", *SIZE)
+    whole, parts = dict(given), dict(given)
+    if name == "target":
+        whole["target"], parts["target"] = own[1], cut(own[1], *lines)
+    expected = gg.optimize(start, functional, tolerance=1e-12, **whole)
+    found = gg.optimize(cut(start, *lines), functional, tolerance=1e-12, **parts)
+    assert found.converged, found.message
+    assert found.energy == pytest.approx(expected.energy, rel=1e-12)
+    difference = assembled(found.grid, *lines) - expected.grid.planes
+    assert np.abs(difference).max() < 1e-10 * np.ptp(expected.grid.planes)
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_energy_gradient_and_hessian_are_those_of_the_uncut_grid(backend):
+    start = gg.optimize(gg.domain("wavy", 9, 9), "winslow", max_iterations=1).grid
+    lines = (0, 4, 8), (0, 2, 8)
+    layout = cut(start, *lines)
+    assert gg.energy(layout, "winslow", backend=backend) == pytest.approx(gg.energy(start, "winslow"), rel=1e-14)
+    expected, found = gg.gradient(start, "winslow"), gg.gradient(layout, "winslow", backend=backend)
+    joined = assembled(gg.MultiBlock({k: gg.Grid(v) for k, v in found.items()}, []), *lines)
+    assert np.moveaxis(joined, 0, -1) == pytest.approx(expected, abs=1e-13)
+    values = [np.linalg.eigvalsh(gg.hessian(one, "winslow").toarray()) for one in (start, layout)]
+    assert values[0] == pytest.approx(values[1], rel=1e-9)
+
+
+def test_the_radii_of_an_annulus_are_those_of_winslows_grid():
+    found = gg.optimize(gg.MultiBlock([ring(np.linspace(0, 2 * np.pi, 25), 1.0, 3.0, 9)]), "winslow", tolerance=1e-13)
+    radii = np.hypot(*found.grid.blocks[0].planes)
+    assert radii == pytest.approx(np.broadcast_to(3.0 ** (np.arange(9) / 8), (25, 9)), rel=1e-13)
+
+
+def test_an_o_grid_is_the_same_wherever_its_cut_lies():
+    angles = np.linspace(0, 2 * np.pi, 25)
+    inner, outer = 1 + 0.3 * np.cos(3 * angles[:-1]), 3 + 0.5 * np.sin(2 * angles[:-1])
+    grids = []
+    for shift in (0, 7):
+        turned = np.roll(angles[:-1], -shift)
+        around = (np.append(one, one[0]) for one in (turned, np.roll(inner, -shift), np.roll(outer, -shift)))
+        found = gg.optimize(gg.MultiBlock([ring(*around, 9)]), "winslow", tolerance=1e-12)
+        assert found.converged
+        grids.append(np.roll(found.grid.blocks[0].planes[:, :-1], shift, axis=1))
+    assert grids[0] == pytest.approx(grids[1], abs=1e-11)
+
+
+def cascade(pitches):
+    """A passage between cambered blades, with periodic inlet and outlet; the second pitch lies above the first."""
+    x = np.linspace(-1, 2, 25)
+    camber = 0.3 * np.sin(np.pi * np.clip(x, 0, 1))
+    thick = np.where((x >= 0) & (x <= 1), 0.1 * np.sin(np.pi * np.clip(x, 0, 1)), 0)
+    blocks, part = {}, np.linspace(0, 1, 9)
+    for pitch in range(pitches):
+        low, high = camber + thick + pitch, camber - thick + pitch + 1
+        y = low[:, None] * (1 - part) + high[:, None] * part
+        blocks[str(pitch)] = gg.Grid.from_planes(np.broadcast_to(x[:, None], y.shape), y)
+    bonds = []
+    for nodes in ((0, 8), (16, 24)):
+        for pitch in range(pitches):
+            last = pitch == pitches - 1
+            other, shift = ("0", (0, -pitches)) if last else (str(pitch + 1), (0, 0))
+            bonds.append(gg.Connection((str(pitch), "top", nodes), (other, "bottom", nodes), translation=shift))
+    return gg.MultiBlock(blocks, bonds)
+
+
+def test_a_cascade_is_the_same_with_one_more_pitch():
+    one, two = (gg.optimize(cascade(pitches), "winslow", tolerance=1e-12) for pitches in (1, 2))
+    assert one.converged
+    assert two.converged
+    alone = one.grid.blocks[0].planes
+    assert np.abs(alone - cascade(1).blocks[0].planes)[:, 1:-1, 0].max() > 1e-3  # Periodic nodes have moved.
+    for pitch, block in enumerate(two.grid.blocks):
+        assert block.planes - np.array([0, pitch])[:, None, None] == pytest.approx(alone, abs=1e-10)
+
+
+def test_a_sector_is_a_part_of_its_annulus():
+    sector = ring(np.linspace(0, 2 * np.pi / 6, 5), 1.0, 3.0, 9)
+    bent = np.array(sector.planes)
+    bent[:, 1:-1, 1:-1] += 0.01 * np.random.default_rng(0).uniform(-1, 1, (2, 3, 7))
+    bond = gg.Connection((0, "left"), (0, "right"), rotation=-60)
+    found = gg.optimize(gg.MultiBlock([gg.Grid.from_planes(*bent)], [bond]), "winslow", tolerance=1e-13)
+    radii = np.hypot(*found.grid.blocks[0].planes)
+    assert radii == pytest.approx(np.broadcast_to(3.0 ** (np.arange(9) / 8), (5, 9)), rel=1e-12)
+
+
+def test_a_pipe_is_as_symmetric_as_its_layout_and_the_best_of_its_neighbors():
+    found = gg.optimize(butterfly(8, 6), "winslow", tolerance=1e-13)
+    assert found.converged
+    assert found.quality.valid
+    core, south, east = found.grid["core"].planes, found.grid["south"].planes, found.grid["east"].planes
+    assert core[0] == pytest.approx(-core[0, ::-1], abs=1e-11)
+    assert core == pytest.approx(core[::-1].transpose(0, 2, 1), abs=1e-11)
+    assert np.stack((-south[1], south[0])) == pytest.approx(east, abs=1e-11)
+    # It is a minimum: no small move of the free nodes has less energy.
+    problem = make_layout_problem(found.grid, "winslow")
+    place = problem.exchange.join([block.planes for block in found.grid.blocks])
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        move = problem.exchange.of_first_copies(random.normal(0, 1e-3, place.shape))
+        move[problem._held] = 0.0
+        assert problem.energy(place + move)[0] > found.energy
+
+
+def test_lines_cross_the_cut_of_a_c_grid_without_a_kink():
+    """The wake's cut begins bent, with kinks of 10 to 20 degrees; as a connection it is as smooth as the rest."""
+    wake = np.linspace(3, 1, 9)[:-1]
+    wake = wake + 0.2j * (wake - 1)
+    inside = np.concatenate((wake, np.exp(-1j * np.linspace(0, 2 * np.pi, 17)), wake[::-1]))
+    half = -3j * np.exp(-1j * np.pi * np.linspace(0, 1, 17))
+    outside = np.concatenate((np.linspace(3, 0, 9)[:-1] - 3j, half, np.linspace(0, 3, 9)[1:] + 3j))
+    part = np.linspace(0, 1, 9)
+    nodes = inside[:, None] * (1 - part) + outside[:, None] * part
+    layout = gg.MultiBlock([gg.Grid.from_planes(nodes.real, nodes.imag)])
+    assert len(layout.bonds) == 1
+
+    def kinks(grid):
+        planes, along = grid.blocks[0].planes, np.arange(2, 5)
+        up, down = (planes[:, i, 1] - planes[:, i, 0] for i in (along, 32 - along))
+        cosine = -(up * down).sum(axis=0) / np.hypot(*up) / np.hypot(*down)
+        return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+
+    found = gg.optimize(layout, "winslow")
+    assert found.quality.valid
+    assert kinks(layout).min() > 9
+    assert kinks(found.grid).max() < 2
+
+
+def test_a_folded_layout_is_untangled():
+    lines = (0, 8, 16), (0, 16)
+    start = cut(gg.domain("zee", 17, 17), *lines)
+    assert not gg.quality(start).valid
+    for found in (gg.untangle(start), gg.optimize(start, "winslow")):
+        assert found.converged
+        assert found.quality.valid
+        assert found.untangled_by
+        assert "was folded at the start" in found.message
+    valid = gg.optimize(start, "winslow").grid
+    again = gg.untangle(valid)
+    assert all(np.array_equal(a.planes, b.planes) for a, b in zip(valid.blocks, again.grid.blocks, strict=True))
+
+
+def test_values_may_be_given_by_block():
+    start = cut(gg.domain("square", 9, 9), (0, 4, 8), (0, 8))
+    same = gg.optimize(start, "area_winslow", weight={"0-0": "1", "1-0": "1"}, tolerance=1e-10)
+    assert same.energy == pytest.approx(gg.optimize(start, "area_winslow", weight="1", tolerance=1e-10).energy)
+    other = gg.optimize(start, "area_winslow", weight={"0-0": "1", "1-0": "9"}, tolerance=1e-10)
+    assert other.grid["0-0"].x[4, 4] > same.grid["0-0"].x[4, 4] + 0.01
+    with pytest.raises(gg.GridgenError, match="values by block need one for each of 0-0, 1-0"):
+        gg.optimize(start, "area_winslow", weight={"0-0": "1"})
+    with pytest.raises(gg.GridgenError, match="block 1-0: "):
+        gg.optimize(start, "area_winslow", weight={"0-0": "1", "1-0": "x +"})
+
+
+def test_nodes_that_are_fixed_stay_in_all_copies():
+    start = cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 8))
+    mask = np.zeros((5, 9), dtype=bool)
+    mask[4, 3] = True
+    found = gg.optimize(start, "winslow", fixed={"0-0": mask})
+    for name, i in (("0-0", 4), ("1-0", 0)):
+        assert np.array_equal(found.grid[name].xy[i, 3], start["0-0"].xy[4, 3])
+
+
+def test_what_layouts_do_not_take_is_told():
+    start = cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 8))
+    with pytest.raises(gg.GridgenError, match="optimize of several blocks does not take 'slide'"):
+        gg.optimize(start, "winslow", slide="all")
+    with pytest.raises(gg.GridgenError, match="by method='newton'; came 'local'"):
+        gg.optimize(start, "winslow", "local")
+
+
+def test_copies_stay_equal_bit_by_bit():
+    found = gg.optimize(cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 4, 8)), "winslow").grid
+    copies = found.copies
+    places = np.array(
+        [found.blocks[b].planes[:, i, j] for b, i, j in zip(copies.block, copies.i, copies.j, strict=True)]
+    )
+    for begin, count in itertools.pairwise([*copies.starts, len(copies.block)]):
+        assert (places[begin:count] == places[begin]).all()
