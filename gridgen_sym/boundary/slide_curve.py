@@ -19,6 +19,8 @@ _SHARP = np.radians(20.0)
 _STEP = 2e-3
 #: Samples of a function among which the nearest point is looked for first.
 _SAMPLES = 2001
+#: So many of the nearest samples are tried.
+_CANDIDATES = 8
 _NEWTON_STEPS = 12
 #: After so short a Newton step the next is near rounding.
 _LAST_STEP = 1e-7
@@ -115,20 +117,33 @@ class SlideCurve:
 
         Args:
             place: (m, 2).
-            start: parameters near those; without them the whole curve is searched first.
+            start: parameters near those; without them the whole curve is searched.
         """
-        if start is None:
-            t = np.linspace(0, 1, _SAMPLES)
-            from scipy.spatial import cKDTree
+        return self._searched(place) if start is None else self._near(place, start, 0.0, 1.0)
 
-            start = t[cKDTree(self.point(t)).query(place)[1]]
+    def _searched(self, place: Array) -> Array:
+        """Return the parameters of the nearest points of the whole curve."""
+        from scipy.spatial import cKDTree
+
+        ends = list(pairwise(self.corners.tolist()))
+        pieces = [np.linspace(low, high, max(3, int(np.ceil((high - low) * _SAMPLES)))) for low, high in ends]
+        low, high = (np.repeat(side, [len(piece) for piece in pieces]) for side in zip(*ends, strict=True))
+        samples = np.concatenate(pieces)
+        # Where arms of a curve are close together, the nearest sample may be on the wrong one.
+        found = cKDTree(self.point(samples)).query(place, k=_CANDIDATES)[1].T
+        at = np.stack([self._near(place, samples[k], low[k], high[k]) for k in found])
+        away = np.stack([np.hypot(*(self.point(t) - place).T) for t in at])
+        return np.asarray(at[away.argmin(axis=0), np.arange(len(place))])
+
+    def _near(self, place: Array, start: Array, low: Array | float, high: Array | float) -> Array:
+        """Return the parameters of the nearest points near a start, between bounds."""
         t = start.copy()
         for _ in range(_NEWTON_STEPS):
             point, slope, second = self.derivatives(t)
             apart, square = point - place, (slope**2).sum(axis=1)
             bend = square + (apart * second).sum(axis=1)
             step = (apart * slope).sum(axis=1) / np.where(bend > 0.1 * square, bend, square)
-            t = np.clip(t - step, 0.0, 1.0)
+            t = np.clip(t - step, low, high)
             if np.abs(step).max(initial=0.0) < _LAST_STEP:
                 break
         return t

@@ -22,11 +22,12 @@ def brackbill_saltzman(m: Metric, k_A: float = 1.0, k_O: float = 1.0) -> Formula
 
 
 @literature("knupp2001", constraints=("k > 0",))
-def near_orthogonal(m: Metric, k: float = 0.01) -> Formula:
-    """Right angles with a barrier, whatever the aspect ratio: 1/sin² - 1, plus k times what makes cells square."""
-    # 1/sin² = g11 g22/J² = 1 + (g12/J)² says nothing of lengths: alone it has many minima. K² = (g11 + g22)²/J² is
-    # 4 + 4 (g12/J)² + ((g11 - g22)/J)²: so k = 1 is K²/4 - 1, modified_liao, whose second part is weighed down here.
-    return (m.g12**2 + k * (m.g11 - m.g22) ** 2 / 4) / m.J**2
+def near_orthogonal(m: Metric, k: float = 0.003) -> Formula:
+    """Right angles with a barrier, whatever the aspect ratio: 1/sin - 1, and a share k of what makes cells square."""
+    # 1/sin = sqrt(g11 g22)/J says nothing of lengths: alone it has many minima. (K/2)² = (g11 + g22)²/(2J)² is 1/sin²
+    # + ((g11 - g22)/(2J))²: so k = 1 is K/2 - 1, winslow, whose second part is weighed down here. Squares of all this
+    # would count cells too much that turns of the boundary hold far from right angles.
+    return m.sqrt(m.g11 * m.g22 + k * (m.g11 - m.g22) ** 2 / 4) / m.J - 1
 
 
 @literature("brackbill1993", constraints=("k >= 0",), fields={"B": "vector"})

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy.typing as npt
 
+from ..boundary.slide_curve import SlideCurve
 from ..boundary.wall import NO_WALLS, Wall, walls_by_side
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
@@ -35,6 +36,8 @@ from .run.progress import Callback, Progress
 from .run.result import Result
 from .run.status import Outcome, Status
 from .run.stopping import run_to_result
+from .sliding.choice import slide_curves
+from .turns import choose_turns
 
 #: Factors by which the gradient must fall. One Newton step more gives ten digits of a grid that attains its target.
 _TOLERANCE, _TO_TARGET = 1e-6, 1e-12
@@ -86,7 +89,9 @@ def optimize(
             `{"bottom": Wall(first=1e-5, growth=1.2)}`; they become the target.
         slide: the sides whose nodes slide along their curves, between the corners: `"all"`, a side, several, or a
             mapping from sides to curves (points, a SciPy spline, or a function of t in [0, 1]). Without a curve it is
-            that of the side's own nodes, splines between sharp turns, at which nodes stay. Newton's method only.
+            that of the side's own nodes, splines between sharp turns. Every turn that a node of the start holds is held
+            by a node of the result: by which one, is chosen for a functional with a barrier, unless there are walls or
+            a target. Newton's method only.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the gradient's norm must fall; by default 1e-6, and by Newton's method to a target
@@ -124,8 +129,9 @@ def optimize(
     definition = find_functional(functional)
     rectangle = LogicalRectangle.of(spacing, grid.shape)
     sides = None if walls is None else walls_by_side(walls)
+    curves = None if slide is None else slide_curves(grid, slide)
 
-    def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
+    def make(on: Grid, fixed: npt.ArrayLike | None = None, along: Mapping[str, SlideCurve] | None = None) -> Problem:
         return make_problem(
             on,
             definition,
@@ -133,7 +139,7 @@ def optimize(
             fields=fields,
             target=target,
             walls=sides,
-            slide=slide if on.shape == grid.shape else None,
+            slide=along or (curves if on.shape == grid.shape else None),
             fixed=fixed,
             parameters=parameters,
             interior_only=interior_only,
@@ -156,8 +162,11 @@ def optimize(
             if sides is not None and method == "newton" and limit:
                 sides = approach_walls(run, sides, backend)
                 run.renew(make(grid, fixed))
-            elif (method == "newton" and limit) or run.to_untangle:
-                run.start_from_coarse_grids()
+            else:
+                if curves is not None and target is None and limit:
+                    choose_turns(run, curves, lambda on, along: make(on, along=along))
+                if (method == "newton" and limit) or run.to_untangle:
+                    run.start_from_coarse_grids()
             if not run.make_valid():
                 return run.could_not_unfold()
             report.begin("minimize", grid.shape)

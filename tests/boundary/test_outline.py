@@ -290,7 +290,15 @@ def test_a_truncated_file_never_crashes(cut):
 
 
 def test_the_examples_are_there():
-    assert [path.stem for path in EXAMPLES] == ["france", "nlf416_half_o", "ohio", "texas"]
+    assert [path.stem for path in EXAMPLES] == [
+        "france",
+        "lake_superior",
+        "lake_victoria",
+        "nlf416_half_o",
+        "ohio",
+        "spain",
+        "texas",
+    ]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -299,6 +307,7 @@ def test_examples_can_be_gridded(path):
     report = quality(outline.grid(65, 65, sampling="equal"))
     assert report.mean_jacobian > 0
     expected = {"france": 494, "nlf416_half_o": 0, "ohio": 213, "texas": 269}
+    expected |= {"lake_superior": 862, "lake_victoria": 846, "spain": 261}
     assert report.folded_cells == expected[outline.name]
 
 

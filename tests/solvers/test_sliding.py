@@ -180,6 +180,17 @@ def test_points_have_corners_at_sharp_turns():
     np.testing.assert_allclose(curve.corners, [0, 0.5, 1])
 
 
+def test_points_of_a_curve_are_found_where_its_arms_are_close():
+    """Both at the vertices and between them: the nearest sample may be on another arm."""
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        along = np.cumsum(random.uniform(0.5, 1.5, 30))
+        spikes = np.where(np.arange(30) % 5 == 2, random.uniform(5, 10, 30), random.uniform(0, 0.3, 30))
+        curve = SlideCurve.of_points(np.stack([along / 20, spikes], -1))
+        at = np.sort(np.concatenate([curve.corners, random.uniform(0, 1, 200)]))
+        np.testing.assert_allclose(curve.nearest(curve.point(at)), at, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("slide", "match"),
     [

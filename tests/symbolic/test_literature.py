@@ -107,7 +107,7 @@ BY_MATRICES = {
         + size(a) ** 2
         + (np.linalg.inv(a)[0] @ np.linalg.inv(a)[1]) ** 2 * size(a) ** 4
     ),
-    "near_orthogonal": lambda a: 0.99 / sine(a) ** 2 - 1 + 0.01 * (np.linalg.cond(a, "fro") / 2) ** 2,
+    "near_orthogonal": lambda a: np.sqrt(0.997 / sine(a) ** 2 + 0.003 * (np.linalg.cond(a, "fro") / 2) ** 2) - 1,
     "unam_area": lambda a: 1 / (0.01 + size(a)),
     "quasi_harmonic": lambda a: (norm2(a) - 2 * size(a)) / (0.01 + size(a)),
     "epsilon_area": lambda a: max(0.0, 0.1 - size(a)) ** 2,

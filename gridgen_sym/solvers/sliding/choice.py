@@ -42,6 +42,14 @@ def make_slide(grid: Grid, slide: object) -> Slide:
     return Slide(sides, grid.shape)
 
 
+def slide_curves(grid: Grid, slide: object) -> dict[str, SlideCurve]:
+    """Return the curves of the sliding sides, by side; see `make_slide`."""
+    return {
+        name: SlideCurve.of_points(grid.xy[side_index(name, grid.shape)]) if given is None else slide_curve(given)
+        for name, given in _curves(slide).items()
+    }
+
+
 def _curves(slide: object) -> dict[str, object]:
     """Return what was said of the curve of every sliding side."""
     if slide == "all":

@@ -22,7 +22,7 @@ _KEPT = 0.1
 #: A node so far from the curve, over the largest coordinate, is not where it was looked for.
 _ON_CURVE = 1e-7
 #: A node so near to a corner of the curve, in its parameter, is that corner and stays.
-_AT_CORNER = 1e-9
+AT_CORNER = 1e-9
 
 
 @dataclass(slots=True, eq=False)
@@ -51,7 +51,7 @@ class SlidingSide:
         corners = self.curve.corners
         piece = np.clip(np.searchsorted(corners, self.at, side="right") - 1, 0, len(corners) - 2)
         low, high = corners[piece], corners[piece + 1]
-        self.free = np.minimum(np.abs(self.at - low), np.abs(self.at - high)) > _AT_CORNER
+        self.free = np.minimum(np.abs(self.at - low), np.abs(self.at - high)) > AT_CORNER
         self.free[[0, -1]] = False
         self.low, self.high = np.where(self.free, low, self.at), np.where(self.free, high, self.at)
 
