@@ -67,4 +67,8 @@ def test_sides_slide_on_the_command_line(tmp_path):
     assert done.exit_code == 0, done.output
     start = gg.domain("quarter_annulus", 17, 13)
     assert np.abs(gg.read(path).xy[0] - start.xy[0]).max() > 1e-3
-    assert CliRunner().invoke(main, [*arguments, "--slide", "left", "--solver", "local"]).exit_code != 0
+    local = [*arguments, "--slide", "left,right", "--solver", "local", "--max-iterations", "3"]
+    assert CliRunner().invoke(main, local).exit_code == 0
+    refused = CliRunner().invoke(main, [*arguments, "--slide", "left", "--solver", "relaxation"])
+    assert refused.exit_code != 0
+    assert "--slide belongs to the discrete energy" in refused.output + str(refused.exception)

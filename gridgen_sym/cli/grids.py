@@ -68,7 +68,9 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     "degrees, formulas in xi and eta: '0.01*(1 + xi), 0.02, 90'.",
 )
 @click.option("--wall", "walls", multiple=True, metavar="SIDE:first=HEIGHT,...", help=WALL_HELP)
-@click.option("--slide", metavar="SIDES", help="Sides whose nodes slide along them: all, or bottom,top (newton only).")
+@click.option(
+    "--slide", metavar="SIDES", help="Sides whose nodes slide along them: all, or bottom,top (newton, local)."
+)
 @click.option(
     "--control",
     metavar="P,Q",
@@ -144,8 +146,8 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     if quiet:
         given["progress"] = False
     if options["slide"]:
-        if solver != "newton":
-            raise GridgenError(f"--slide belongs to --solver newton, not to {solver}")
+        if solver not in ("newton", "local"):
+            raise GridgenError(f"--slide belongs to the discrete energy (newton, local), not to --solver {solver}")
         given["slide"] = tuple(options["slide"].split(",")) if options["slide"] != "all" else "all"
     if solver in ("newton", "local"):
         if options["control"] is not None:

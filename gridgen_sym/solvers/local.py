@@ -1,7 +1,8 @@
 """The paper's method (Section 3): minimize the energy over one node at a time, sweep after sweep.
 
 A sweep visits the nodes in four colors; nodes of one color share no corner. Each visit is one damped
-Newton step on the local energy, the sum over the 12 corners that contain the node.
+Newton step on the local energy, the sum over the 12 corners that contain the node. Nodes that slide are
+visited after the inner ones.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from .problem import Problem
 from .run.progress import Progress
 from .run.status import Outcome, Status
 from .run.step_control import jacobian_floor
+from .sliding.relaxation import relax_sliding
 
 COLORS = 4
 
@@ -74,6 +76,7 @@ def sweep_until_converged(
     Returns:
         How it has ended.
     """
+    problem.follow(coordinates)
     iterate = Iterate(problem, coordinates)
     convergence = ConvergenceTest(iterate, tolerance)
     progress.step(0, iterate.energy, iterate.norm, iterate.smallest)
@@ -89,6 +92,7 @@ def sweep_until_converged(
             break
         move = _sweep_summed if problem.guard_summed_only and floor >= 0 else sweep
         step = move(problem, coordinates, problem.fixed, floor=floor, reach=reach)
+        step = max(step, relax_sliding(problem, coordinates, floor=floor))
         if step >= reach:
             why = "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid."
             return Outcome(Status.DIVERGED, why)

@@ -22,7 +22,7 @@ from .problem import Problem
 from .run.progress import Progress
 from .run.result import Result
 from .run.status import Outcome, Status
-from .untangling.strategies import STRATEGIES, begin_search
+from .untangling.strategies import SLIDING_STRATEGIES, STRATEGIES, begin_search
 
 
 @dataclass(slots=True)
@@ -120,8 +120,9 @@ class Run:
             return False
         self.report.begin("untangle", self.problem.fixed.shape)
         search = begin_search(self.problem, self.functional, self.coordinates, self.parameters, self.report)
+        slides = self.problem.slide is not None
         try:
-            search.run_into(self.coordinates, STRATEGIES)
+            search.run_into(self.coordinates, SLIDING_STRATEGIES if slides else STRATEGIES)
         finally:
             self.proofs, self.untangled_by = search.certificates, search.untangled_by
         self.problem.refresh(self.coordinates)
@@ -141,12 +142,18 @@ class Run:
             told = f"untangling with {self.functional.name} made no more progress; this is the least folded grid found."
         self.explained = True
         if self.proofs is None:
-            self.proofs = certificates(Grid.from_planes(*self.coordinates))
+            self.proofs = self._quick_proofs()
         proofs = _proofs_text(self.proofs)
-        if not any(proof.impossible for proof in self.proofs):
+        if self.problem.slide is not None:
+            proofs = _SLIDES
+        elif not any(proof.impossible for proof in self.proofs):
             proofs = f"{_NO_PROOF} {proofs}".strip()
         folds = quality(Grid.from_planes(*self.coordinates)).describe_folds()
         return Outcome(Status.FOLDED, f"{told} {folds}\n{proofs}")
+
+    def _quick_proofs(self) -> tuple[Certificate, ...]:
+        """Return proofs for the present boundary; none where its nodes slide, and others may admit a valid grid."""
+        return certificates(Grid.from_planes(*self.coordinates)) if self.problem.slide is None else ()
 
     def explained_by_derivatives(self, outcome: Outcome) -> Outcome:
         """Return how a run has ended, with the term of the density whose derivative does not exist, if that is why."""
@@ -174,7 +181,7 @@ class Run:
         status, message = outcome.status, said + outcome.message
         proofs: tuple[Certificate, ...] = ()
         if not smallest > 0:
-            proofs = certificates(grid) if self.proofs is None else self.proofs
+            proofs = self._quick_proofs() if self.proofs is None else self.proofs
             if not status.stop_reason:
                 status = Status.IMPOSSIBLE if any(proof.impossible for proof in proofs) else Status.FOLDED
             if not self.explained:
@@ -222,6 +229,11 @@ class Run:
 _NO_PROOF = (
     "No proof was found that there is no valid grid; certificates(grid, search=True, budget=...) searches longer. "
     "More nodes, other corners or another spacing of the boundary nodes may help."
+)
+#: The same where boundary nodes slide.
+_SLIDES = (
+    "Whether there is a valid grid with boundary nodes elsewhere on these curves is not known: more nodes, other "
+    "corners or other curves may help."
 )
 #: The strategy that is reported if nested iteration gave a valid start.
 NESTED = "nested iteration"

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy.typing as npt
 
+from ..arrays import Array
 from ..boundary.slide_curve import SlideCurve
 from ..boundary.wall import NO_WALLS, Wall, walls_by_side
 from ..deprecation import renamed_arguments
@@ -91,7 +92,7 @@ def optimize(
             mapping from sides to curves (points, a SciPy spline, or a function of t in [0, 1]). Without a curve it is
             that of the side's own nodes, splines between sharp turns. Every turn that a node of the start holds is held
             by a node of the result: by which one, is chosen for a functional with a barrier, unless there are walls or
-            a target. Newton's method only.
+            a target.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the gradient's norm must fall; by default 1e-6, and by Newton's method to a target
@@ -124,8 +125,10 @@ def optimize(
         tolerance = _TO_TARGET if target is not None and method == "newton" else _TOLERANCE
     check_controls(tolerance, max_iterations, callback, time_limit)
     check_grid(grid)
-    if slide is not None and method == "local":
-        raise GridgenError("nodes slide by Newton's method only: drop method='local', or slide")
+    if slide is not None and method == "local" and interior_only:
+        raise GridgenError(
+            "the local method cannot slide nodes at whose corners nothing is summed: drop interior_only, or slide"
+        )
     definition = find_functional(functional)
     rectangle = LogicalRectangle.of(spacing, grid.shape)
     sides = None if walls is None else walls_by_side(walls)
@@ -151,11 +154,8 @@ def optimize(
 
     limit = _LIMITS[method] if max_iterations is None else max_iterations
     with Progress(f"{definition.name}, {method}", callback, progress, Deadline(time_limit)) as report:
-        problem, start = make(grid, fixed), grid.planes.copy()
-        if problem.slide is not None:
-            problem.retract(start)
-            start = move_sides(grid.planes, start)
-        run = Run(problem, make, definition, parameters, start, report, grid, sides or NO_WALLS)
+        problem = make(grid, fixed)
+        run = Run(problem, make, definition, parameters, _on_curves(problem, grid), report, grid, sides or NO_WALLS)
 
         def solve() -> Outcome:
             nonlocal sides
@@ -194,6 +194,7 @@ def untangle(
     grid: Grid,
     functional: str | Functional = "winslow",
     *,
+    slide: object = None,
     fixed: npt.ArrayLike | None = None,
     parameters: Mapping[str, float] | None = None,
     callback: Callback | None = None,
@@ -210,6 +211,8 @@ def untangle(
         grid: the start, of one or several blocks.
         functional: one with a barrier at J = 0; the grid is near its minimum. A weight and a target have no part in
             what is valid; where the density declares fields, Winslow's barrier is taken.
+        slide: the sides whose nodes may slide along their curves, as in `optimize`: that often makes a valid grid
+            possible. What is impossible is then not proved.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         callback: as in `optimize`.
@@ -229,7 +232,8 @@ def untangle(
     check_controls(0.5, None, callback, time_limit)
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None) -> Problem:
-        return make_problem(on, definition, fixed=fixed, parameters=parameters, backend=backend)
+        curves = slide if on.shape == grid.shape else None
+        return make_problem(on, definition, slide=curves, fixed=fixed, parameters=parameters, backend=backend)
 
     deadline = Deadline(time_limit)
     problem = make(grid, fixed)
@@ -238,7 +242,9 @@ def untangle(
             f"untangling needs a functional with a barrier at J = 0, such as winslow; {definition.name!r} has none"
         )
     with Progress(f"{definition.name}, untangle", callback, progress, deadline) as report:
-        run = Run(problem, make, definition, parameters, grid.planes.copy(), report, grid)
+        folded = not problem.energy(grid.planes)[1] > 0
+        start = _on_curves(problem, grid) if folded else grid.planes.copy()
+        run = Run(problem, make, definition, parameters, start, report, grid)
 
         def solve() -> Outcome:
             if run.to_untangle:
@@ -254,3 +260,12 @@ def untangle(
             )
 
         return run_to_result(solve, run.result, report)
+
+
+def _on_curves(problem: Problem, grid: Grid) -> Array:
+    """Return the nodes (2, ni, nj) of a grid with the sliding ones on their curves; inner nodes follow."""
+    start = grid.planes.copy()
+    if problem.slide is not None:
+        problem.retract(start)
+        start = move_sides(grid.planes, start)
+    return start

@@ -138,10 +138,14 @@ class Problem:
         if self.slide is not None:
             self.slide.follow(coordinates)
 
+    @property
+    def held(self) -> Mask:
+        """The mask of nodes without unknowns: of the fixed ones those that do not slide."""
+        return self.fixed if self.slide is None else self.slide.mask(self.fixed)
+
     def solver(self) -> LinearSolver:
         """Return what solves the linear systems of Newton's method."""
-        unknown = self.fixed if self.slide is None else self.slide.mask(self.fixed)
-        return hessian_solver(unknown, self.kernels.backend)
+        return hessian_solver(self.held, self.kernels.backend)
 
     def hessian(self, coordinates: Array, *, semidefinite: bool = False, out: Array | None = None) -> Array:
         """Return the stored half of the Hessian (19, ni, nj); entries of fixed nodes are not removed.
@@ -158,8 +162,8 @@ class Problem:
 
     def _gradient_at_sides(self, coordinates: Array) -> Array:
         """Return the gradient (2, ni, nj), not projected, that is right at the nodes of the sides alone."""
-        if self.inputs is not None or self.interior_only:
-            values, inner = self.values(coordinates), self.interior_only
+        values, inner = self.values(coordinates), self.interior_only
+        if values is not None or inner:
             return self.kernels.energy_gradient(coordinates, values, self.steps, interior_only=inner)[2]
         found = np.zeros_like(coordinates)
         every, first, last = slice(None), slice(None, 2), slice(-2, None)  # Only the cells beside a side count there.
@@ -170,8 +174,8 @@ class Problem:
         return found
 
     def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:
-        """Count the folds of coordinates; with `mendable`, only those that moving the free nodes may repair."""
-        return Folds.of(coordinates, self.fixed if mendable else None, self.kernels.smallest_jacobians(coordinates))
+        """Count the folds of coordinates; with `mendable`, only those that moving free or sliding nodes may repair."""
+        return Folds.of(coordinates, self.held if mendable else None, self.kernels.smallest_jacobians(coordinates))
 
     def gradient_scale(self, coordinates: Array, energy: float) -> float:
         """Return the norm that the gradient of this energy has on a grid far from its minimum: E/(h sqrt(nodes)).

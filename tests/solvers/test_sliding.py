@@ -213,11 +213,6 @@ def test_what_cannot_slide_is_refused(slide, match):
         gg.optimize(uneven_quarter(8), "winslow", slide=slide)
 
 
-def test_the_paper_s_local_method_does_not_slide():
-    with pytest.raises(gg.GridgenError, match="nodes slide by Newton's method only"):
-        gg.optimize(uneven_quarter(8), "winslow", "local", slide="all")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("slide", "better"), [(None, 0.3), ("all", 1.0)])
 def test_near_orthogonal_grids_of_the_swan(slide, better):

@@ -58,10 +58,9 @@ def along_curves(sides: list[SlidingSide], gradient: Array) -> Array:
     """Return what bends add to the second derivatives along the curves, from the gradient (2, nodes) at their nodes."""
     found, begin = [np.empty(0)], 0
     for side in sides:
-        at = side.at[side.free]
-        _, slope, bend = (part.T for part in side.curve.derivatives(at))
+        _, slope, bend = (part.T for part in side.derivatives)
         square = (slope**2).sum(axis=0)
         normal = bend - slope * ((bend * slope).sum(axis=0) / square)
-        found.append((gradient[:, begin : begin + len(at)] * normal).sum(axis=0) / square)
-        begin += len(at)
+        found.append((gradient[:, begin : begin + len(square)] * normal).sum(axis=0) / square)
+        begin += len(square)
     return np.concatenate(found)

@@ -17,6 +17,8 @@ from ...boundary.slide_curve import SlideCurve
 
 Index = tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]
 
+#: The sides whose nodes are numbered by i.
+ALONG_XI = "bottom", "top"
 #: A gap between neighbors along the curve keeps this fraction in a step (as interior-point methods keep from a bound).
 _KEPT = 0.1
 #: A node so far from the curve, over the largest coordinate, is not where it was looked for.
@@ -45,6 +47,7 @@ class SlidingSide:
     free: npt.NDArray[np.bool_] = field(init=False)
     low: Array = field(init=False)
     high: Array = field(init=False)
+    _derivatives: tuple[Array, tuple[Array, Array, Array]] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         """Find the corners around each node."""
@@ -60,6 +63,13 @@ class SlidingSide:
         """The indices of the nodes that slide."""
         return self.index[0][self.free], self.index[1][self.free]
 
+    @property
+    def derivatives(self) -> tuple[Array, Array, Array]:
+        """The points and the first and second derivatives of the curve (m, 2) at the nodes that slide."""
+        if self._derivatives is None or self._derivatives[0] is not self.at:
+            self._derivatives = self.at, self.curve.derivatives(self.at[self.free])
+        return self._derivatives[1]
+
     def follow(self, coordinates: Array) -> None:
         """Take the parameters of the nodes of coordinates (2, ni, nj), which are on the curve."""
         there = coordinates[:, *self.nodes].T
@@ -68,8 +78,9 @@ class SlidingSide:
         far = away > _ON_CURVE * float(np.abs(there).max(initial=0.0))
         if far.any():
             found[far] = self.curve.nearest(there[far])
-        self.at = self.at.copy()
-        self.at[self.free] = found
+        at = self.at.copy()
+        at[self.free] = found
+        self.at = at
 
     def nearest(self, coordinates: Array) -> Array:
         """Return the parameters (n,) of the points nearest to coordinates (2, ni, nj), in the order of the nodes."""
@@ -121,7 +132,7 @@ class SlidingSide:
 def side_index(side: str, shape: tuple[int, int]) -> Index:
     """Return the indices of the nodes of a side of a grid (ni, nj)."""
     ni, nj = shape
-    count, of_i = (ni, True) if side in ("bottom", "top") else (nj, False)
+    count, of_i = (ni, True) if side in ALONG_XI else (nj, False)
     along = np.arange(count, dtype=np.intp)
     across = np.full(count, 0 if side in ("bottom", "left") else (nj if of_i else ni) - 1, dtype=np.intp)
     return (along, across) if of_i else (across, along)

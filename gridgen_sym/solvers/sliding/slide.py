@@ -6,11 +6,14 @@ of the gradient, and in the Hessian it is a diagonal entry of its own (see `hess
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
+import numpy.typing as npt
 
 from ...arrays import Array, Mask
 from .hessian import Couplings, along_curves
-from .side import Index, SlidingSide, side_index
+from .side import ALONG_XI, Index, SlidingSide, side_index
 
 #: An edge cuts off a bend where its middle is this part of its length away from the curve, as of an arc of 87 degrees.
 _CUT = 0.2
@@ -79,7 +82,7 @@ class Slide:
     def place(self, coordinates: Array) -> None:
         """Put the sliding nodes of coordinates (2, ni, nj) where they are on their curves, in place."""
         for side in self.sides:
-            coordinates[:, *side.nodes] = side.curve.point(side.at[side.free]).T
+            coordinates[:, *side.nodes] = side.derivatives[0].T
 
     def retract(self, coordinates: Array, *, trial: bool = False) -> None:
         """Put the sliding nodes of coordinates (2, ni, nj) back on their curves, in place, near where they are now.
@@ -99,7 +102,49 @@ class Slide:
         if trial:
             self._tried = there, found
             return
-        for side, at in zip(self.sides, found, strict=True):
+        self.set_parameters(found)
+
+    def colors(self) -> Iterator[npt.NDArray[np.bool_]]:
+        """Yield masks of the sliding nodes, so that those of one mask have no cell in common."""
+        lies = np.concatenate(
+            [np.empty(0, dtype=bool), *(np.full(side.free.sum(), side.name in ALONG_XI) for side in self.sides)]
+        )
+        for along_xi in (True, False):
+            numbers = self.nodes[0] if along_xi else self.nodes[1]
+            for parity in (0, 1):
+                yield (lies == along_xi) & (numbers % 2 == parity)
+
+    def gaps(self, coordinates: Array) -> Array:
+        """Return the distance of every sliding node to the nearer of its neighbors on the side."""
+        found = [np.empty(0)]
+        for side in self.sides:
+            edges = np.hypot(*np.diff(coordinates[:, *side.index], axis=1))
+            found.append(np.minimum(edges[:-1], edges[1:])[side.free[1:-1]])
+        return np.concatenate(found)
+
+    def second_along(self, planes: Array) -> Array:
+        """Return the second derivative along the curve at every sliding node, from a Hessian that is constrained."""
+        (xx, xy, yy), (tx, ty) = planes[:3, *self.nodes], self.tangents
+        return np.asarray(xx * tx * tx + 2 * xy * tx * ty + yy * ty * ty)
+
+    def moved(self, coordinates: Array, steps: Array) -> tuple[Array, list[Array]]:
+        """Return coordinates whose sliding nodes have gone steps (number of nodes,) along their curves, and where."""
+        moved, parameters, begin = coordinates.copy(), [], 0
+        for side in self.sides:
+            count = int(side.free.sum())
+            step, begin = steps[begin : begin + count], begin + count
+            if not step.any():
+                parameters.append(side.at)
+                continue
+            at = side.at.copy()
+            at[side.free] += step / np.hypot(*side.derivatives[1].T)
+            parameters.append(side.in_order(at))
+            moved[:, *side.nodes] = side.curve.point(parameters[-1][side.free]).T
+        return moved, parameters
+
+    def set_parameters(self, parameters: list[Array]) -> None:
+        """Take where the nodes of every side are."""
+        for side, at in zip(self.sides, parameters, strict=True):
             side.at = at
         self._set_tangents()
 
@@ -124,7 +169,7 @@ class Slide:
         return f" Edges at {' and '.join(cut)} cut off bends of the curve: take more nodes, or let fewer sides slide."
 
     def _set_tangents(self) -> None:
-        slopes = [side.curve.first(side.at[side.free]).T for side in self.sides]
+        slopes = [side.derivatives[1].T for side in self.sides]
         slope = np.concatenate([self.tangents[:, :0], *slopes], axis=1)
         self.tangents = slope / np.hypot(*slope)
         self._tried = None, []

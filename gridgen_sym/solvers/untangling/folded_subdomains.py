@@ -20,7 +20,7 @@ class FoldedSubdomains:
     def run(self, search: Search) -> None:
         """Untangle every subdomain around folds of the best grid."""
         for layers in _LAYERS:
-            for window in subdomains(folded_nodes(search.best.coordinates, search.problem.fixed), layers):
+            for window in subdomains(folded_nodes(search.best.coordinates, search.problem.held), layers):
                 part, coordinates = restrict(search.problem, search.best.coordinates, window)
                 try:
                     search.untangle_part(part, coordinates)

@@ -21,7 +21,6 @@ from ...functionals.metric import INVERSE_TARGET_NAMES
 from ...functionals.registry import functional as find_functional
 from ...runtime import kernels
 from ..folds import Folds, mean_jacobian
-from ..linear.systems import hessian_solver
 from ..newton.minimize import minimize
 from ..problem import Problem
 from ..run.progress import Progress
@@ -60,7 +59,7 @@ Lower = Callable[[Problem, Array], None]
 
 def global_newton(problem: Problem, progress: Progress) -> Lower:
     """Return Newton's method on all nodes of a problem, as a function that lowers its energy."""
-    solver = hessian_solver(problem.fixed, problem.kernels.backend)
+    solver, sliding = problem.solver(), problem.slide is not None
 
     def lower(regular: Problem, coordinates: Array) -> None:
         minimize(
@@ -72,7 +71,7 @@ def global_newton(problem: Problem, progress: Progress) -> Lower:
             keep_valid=False,
             until_valid=True,
             semidefinite=True,
-            solver=solver,
+            solver=solver if sliding == (regular.slide is not None) else regular.solver(),
         )
 
     return lower
@@ -88,6 +87,8 @@ def follow(
 ) -> None:
     """Follow the minima for falling epsilon from the start of a search, in mapped coordinates; offer every grid.
 
+    Nodes slide where coordinates are as they are: curves are not mapped.
+
     Args:
         search: takes the grids.
         frame: the coordinates.
@@ -97,9 +98,10 @@ def follow(
         target: of the corners in mapped coordinates, relative to which the barrier is regularized.
     """
     place, fixed = frame.apply(search.start), search.problem.fixed
+    problem = search.problem if frame.matrix is None else replace(search.problem, slide=None)
     parameters = search.parameters if functional is None else None
     try:
-        for _ in path(search.problem, functional or search.functional, place, parameters, lower, pace, target):
+        for _ in path(problem, functional or search.functional, place, parameters, lower, pace, target):
             search.best.offer(frame.invert(place, search.start, fixed))
     finally:  # Ctrl-C may come in the midst of a step.
         search.best.offer(frame.invert(place, search.start, fixed))
@@ -120,7 +122,7 @@ def path(
     """
 
     def mendable() -> Folds:
-        return target.folds(coordinates, problem.fixed) if target else problem.folds(coordinates, mendable=True)
+        return target.folds(coordinates, problem.held) if target else problem.folds(coordinates, mendable=True)
 
     folds = [mendable()]
     size = target.mean_jacobian(coordinates) if target else mean_jacobian(coordinates)
@@ -163,4 +165,5 @@ def regularized(
         winslow = find_functional("winslow")
         kernel_set = kernels(winslow, variant, {"epsilon": epsilon}, problem.kernels.backend)
     # Its energy is finite everywhere, so the line search need not keep corners positive.
-    return Problem(replace(kernel_set, barrier=False), problem.fixed, None, _values=target.values if target else None)
+    smooth, values = replace(kernel_set, barrier=False), target.values if target else None
+    return Problem(smooth, problem.fixed, None, _values=values, slide=problem.slide)

@@ -13,6 +13,7 @@ from .all_nodes import AllNodes
 from .coarse_grids import CoarseGrids
 from .expected_spacing import ExpectedSpacing, PowersOfSpacing
 from .feasible_starts import FeasibleStarts
+from .fixed_boundary import FixedBoundary
 from .folded_nodes import FoldedNodes
 from .folded_subdomains import FoldedSubdomains
 from .other_barriers import OtherBarriers
@@ -54,6 +55,17 @@ STRATEGIES: tuple[Strategy, ...] = (
     FeasibleStarts(LARGE_BUDGET),
     ProofSearch(LARGE_BUDGET),
     SliverSearch(LARGE_BUDGET),
+)
+
+#: Strategies where boundary nodes slide: first they stay. Nothing looks for proofs, which would hold for boundary nodes
+#: where they are now, nor goes on for as long as where the boundary has no freedom.
+SLIDING_STRATEGIES: tuple[Strategy, ...] = (
+    FixedBoundary(),
+    *REGULARIZED,
+    SmallestJacobian(),
+    OtherBarriers(("winslow",)),
+    ExpectedSpacing(),
+    OtherBarriers(("modified_liao", "area_winslow"), most_nodes=_SMALL),
 )
 
 
