@@ -28,7 +28,7 @@ class FoldedNodes:
         def lower(regular: Problem, coordinates: Array) -> None:
             iterate = Iterate(regular, coordinates)
             search.progress.step(0, iterate.energy, iterate.norm, iterate.smallest)
-            sweep_standing_out(iterate, search.problem, search.progress.deadline, until_valid=True)
+            sweep_standing_out(iterate, regular, search.progress.deadline, until_valid=True)
 
         if search.best.folds.cells < _FEW * search.problem.fixed.size:
             follow(search, next(balanced_maps(search.start)), lower)
