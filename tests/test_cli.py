@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import os
 import subprocess
 import sys
@@ -290,6 +291,18 @@ def test_quality_exits_with_1_where_a_cell_is_folded():
     assert "57 of 1600 cells are folded" in run("quality", "folded.vts", code=1)
     assert "valid: no folded cell among 16" in run("quality", "square.vts")
     assert "there is no such file" in run("quality", "no.vts", code=2)
+
+
+def test_quality_prints_what_programs_read():
+    gg.domain("swan", 41, 41).write("folded.vts")
+    gg.domain("annulus", 9, 7).write("annulus.npz")
+    assert json.loads(run("quality", "folded.vts", "--json", code=1)) == gg.quality(gg.read("folded.vts")).as_dict()
+    told, found = json.loads(run("quality", "annulus.npz", "--json")), gg.quality(gg.read("annulus.npz"))
+    assert told["valid"] is True
+    assert told["non_orthogonality"]["percentile_95"] == found.non_orthogonality.percentile_95
+    assert told["sides"]["top"]["first_heights"] == list(found.sides["top"].first_heights)
+    assert told["sides"]["left"]["growth"][1] == found.sides["left"].growth[1]
+    assert told["sides"]["right"]["non_orthogonality"]["largest"] == found.sides["right"].non_orthogonality.largest
 
 
 @pytest.mark.parametrize("suffix", [".vts", ".xyz", ".p2dfmt", ".csv", ".npz", ".cgns"])

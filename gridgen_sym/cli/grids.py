@@ -196,16 +196,20 @@ def _report(result: Result, quiet: bool) -> None:
 @click.command()
 @click.argument("file")
 @click.option("--plot", metavar="PNG", help="Draw the grid, and why no valid one exists: .png, .svg or .pdf.")
-def quality(file: str, plot: str | None) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print the measures as JSON, by the names of `gg.Quality`.")
+def quality(file: str, plot: str | None, as_json: bool) -> None:
     """Measure the grid in FILE; exits with 1 if a cell is folded."""
+    import json
+
     from ..grids import quality as measure
     from ..io import read
 
     check_outputs(None, plot)
     given = read(file)
     measured = measure(given)
-    click.echo(measured.summary())
-    certify_and_draw(given, plot, Path(file).stem, quiet=False)
+    click.echo(json.dumps(measured.as_dict(), indent=2) if as_json else measured.summary())
+    if plot or not as_json:
+        certify_and_draw(given, plot, Path(file).stem, quiet=as_json)
     if not measured.valid:
         raise click.exceptions.Exit(1)
 

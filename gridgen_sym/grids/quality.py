@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -68,6 +68,15 @@ class Quality:
     def valid(self) -> bool:
         """Whether no cell is folded."""
         return self.folded_cells == 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the measures as JSON has them: numbers, lists and mappings, by the names of the attributes.
+
+        What is infinite is None.
+        """
+        named = asdict(replace(self, sides=dict(self.sides)))
+        plain: dict[str, Any] = _plain({"valid": self.valid, **named})
+        return plain
 
     def summary(self) -> str:
         """Return the measures as a report of several lines."""
@@ -186,6 +195,17 @@ def _centers(grid: Grid, cells: NDArray[np.intp]) -> Array:
     i, j = cells.T
     nodes = grid.planes[:, [i, i + 1, i + 1, i], [j, j, j + 1, j + 1]]
     return np.asarray(nodes.mean(axis=1).T)
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever a measure is made of
+    """Return a value without arrays, tuples and infinite numbers."""
+    if isinstance(value, dict):
+        return {name: _plain(part) for name, part in value.items()}
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def _degrees(deviation: Deviation) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -124,3 +127,20 @@ def test_no_grid_warns_and_folds_agree_with_the_smallest_jacobian(xy):
     assert report.valid == (report.min_jacobian > 0)
     assert len(report.folded) == report.folded_cells <= report.cells
     assert str(report)
+
+
+def test_a_dictionary_has_every_measure_as_json_has_it():
+    xy = np.stack(np.meshgrid([0.0, 1, 2, 3], [0.0, 1, 2], indexing="ij"), axis=-1)
+    xy[1, 1] = xy[0, 1]  # An edge without a length: ratios that are infinite.
+    found = quality(Grid(xy))
+    told = json.loads(json.dumps(found.as_dict(), allow_nan=False))
+    assert set(told) == {"valid", *(one.name for one in dataclasses.fields(found))}
+    assert told["max_condition"] is None
+    assert told["folded"] == found.folded.tolist()
+    assert told["min_jacobian"] == found.min_jacobian
+    assert told["sides"]["bottom"] == {
+        "side": "bottom",
+        "first_heights": list(found.sides["bottom"].first_heights),
+        "growth": list(found.sides["bottom"].growth),
+        "non_orthogonality": dataclasses.asdict(found.sides["bottom"].non_orthogonality),
+    }
