@@ -18,7 +18,13 @@ TUTORIALS = [
     *sorted(path for path in FOLDER.glob("*.md") if path.name != "index.md"),
     *(
         ROOT / "docs" / name
-        for name in ("index.md", "explanations/certificates.md", "explanations/solvers.md", "reference/walls.md")
+        for name in (
+            "index.md",
+            "explanations/certificates.md",
+            "explanations/solvers.md",
+            "explanations/walls_through_equations.md",
+            "reference/walls.md",
+        )
     ),
 ]
 BLOCK = re.compile(

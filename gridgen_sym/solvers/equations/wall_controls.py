@@ -1,6 +1,6 @@
 """What a wall adds to the control functions, so that its first heights and right angles come out.
 
-H. Hilgenstock, A fast method for the elliptic generation of three-dimensional grids with full boundary control, in
+A. Hilgenstock, A fast method for the elliptic generation of three-dimensional grids with full boundary control, in
 Numerical Grid Generation in Computational Fluid Mechanics '88 (1988), and J. A. White, Elliptic grid generation with
 orthogonality and spacing control on an arbitrary number of boundaries, AIAA 90-1568 (1990): from one solution to the
 next the control functions at a wall change by what its heights and angles are off, and less with the distance from it.

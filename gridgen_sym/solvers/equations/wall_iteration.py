@@ -197,9 +197,12 @@ class WallIteration:
 
     def _told(self, updates: int) -> str:
         off = Errors.of(self.controls, self.run.coordinates)
+        lean = any(np.degrees(np.abs(wall.tilt)).max(initial=0.0) > _DEGREES for wall in self.controls if wall.angles)
+        beside = " (beside corners of the block of angles that pass to theirs)" if lean else ""
         return (
             f"after {updates} updates of the control functions and {self.steps} Newton steps, heights at the walls are "
-            f"within {100 * off.height:.2g} % of those asked for, and angles within {off.degrees:.2g} degrees"
+            f"within {100 * off.height:.2g} % of those asked for, and angles within {off.degrees:.2g} degrees of right "
+            f"ones{beside}"
         )
 
 
