@@ -15,7 +15,7 @@ from .sampling import arc_lengths, turns_at
 Corners = tuple[int, int, int, int]
 
 #: Inner angles in degrees: a corner of at least the first counts as straight; it moves to one of at most the second.
-_STRAIGHT, _CONVEX = 170.0, 150.0
+STRAIGHT, _CONVEX = 170.0, 150.0
 #: Candidates of the automatic choice: so many sharp vertices, and so many at equal arc lengths.
 _SHARPEST, _EVEN = 24, 12
 
@@ -58,7 +58,12 @@ def corner_penalty(points: Array, corners: NDArray[np.intp], ni: int, nj: int) -
 
 
 def automatic_corners(points: Array, ni: int, nj: int) -> Corners:
-    """Return the corners of least penalty among the sharpest vertices and some at equal arc lengths.
+    """Return the corners of least penalty; see `ranked_corners`."""
+    return as_corners(ranked_corners(points, ni, nj)[0])
+
+
+def ranked_corners(points: Array, ni: int, nj: int) -> NDArray[np.intp]:
+    """Return choices (n, 4) among the sharpest vertices and some at equal arc lengths, the least penalty first.
 
     Of equal ways to number them the one is taken whose corner 0 is nearest to point 0.
     """
@@ -71,8 +76,7 @@ def automatic_corners(points: Array, ni: int, nj: int) -> Corners:
     first = length[ways[:, 0]]
     # Ties, such as that of a numbering with the opposite one, go to the nearest start: rounding must not decide.
     penalty = corner_penalty(points, ways, ni, nj).round(9)
-    best = ways[np.lexsort((np.minimum(first, total - first), penalty))[0]]
-    return _as_corners(best)
+    return ways[np.lexsort((np.minimum(first, total - first), penalty))]
 
 
 def settled_corners(
@@ -95,13 +99,13 @@ def settled_corners(
     angle = _vertex_angles(points, length, total, total / (2 * sum(nodes) - 4))
     present, moved = corners, []
     for k in range(4):
-        if angles_of(present)[k] < _STRAIGHT:
+        if angles_of(present)[k] < STRAIGHT:
             continue
         for vertex in _nearest_convex(length, total, angle, present, k):
-            trial = _as_corners(np.array([*present[:k], vertex, *present[k + 1 :]]))
+            trial = as_corners(np.array([*present[:k], vertex, *present[k + 1 :]]))
             angles = angles_of(trial)
-            others = np.delete(angles, k) >= _STRAIGHT
-            if angles[k] <= _CONVEX and not (others & (np.delete(angles_of(present), k) < _STRAIGHT)).any():
+            others = np.delete(angles, k) >= STRAIGHT
+            if angles[k] <= _CONVEX and not (others & (np.delete(angles_of(present), k) < STRAIGHT)).any():
                 present = trial
                 moved.append(k)
                 break
@@ -129,6 +133,7 @@ def _vertex_angles(points: Array, length: Array, total: float, reach: float) -> 
     return 180.0 - np.degrees(turns_at(points, length, length, reach, period=total))
 
 
-def _as_corners(values: NDArray[np.intp]) -> Corners:
+def as_corners(values: NDArray[np.intp]) -> Corners:
+    """Return four indices as a tuple."""
     c0, c1, c2, c3 = values.tolist()
     return c0, c1, c2, c3

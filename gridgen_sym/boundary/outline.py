@@ -19,7 +19,7 @@ from ..messages import report
 from .corners import CornerChoice, Corners, automatic_corners
 from .outline_checks import checked_corners, checked_points, crossing_text, run_backwards
 from .outline_file import parse_outline
-from .outline_sides import check_sampling, corner_choice, rolled, sampled_sides
+from .outline_sides import automatic_choice, check_sampling, corner_choice, rolled, sampled_sides
 from .polygon import first_crossing, first_repeated, is_clockwise
 from .sampling import Sampling
 from .side_spacing import SideSpacing, spacings_by_side
@@ -162,11 +162,9 @@ class Outline:
         check_counts(ni, nj)
         check_sampling(sampling)
         if isinstance(corners, str) and corners == "auto":
-            wanted = automatic_corners(self.points, ni, nj)
-        else:
-            wanted = self.corners if corners is None else checked_corners(corners, len(self.points), self.name)
-        keep = not (corners is None or isinstance(corners, str))
-        return corner_choice(self.points, self.name, wanted, (ni, nj), sampling, keep=keep)
+            return automatic_choice(self.points, self.name, (ni, nj), sampling)
+        wanted = self.corners if corners is None else checked_corners(corners, len(self.points), self.name)
+        return corner_choice(self.points, self.name, wanted, (ni, nj), sampling, keep=corners is not None)
 
     def sides(
         self,

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import GridgenError, quoted
-from .corners import CornerChoice, Corners, corner_penalty, settled_corners
+from .corners import STRAIGHT, CornerChoice, Corners, as_corners, corner_penalty, ranked_corners, settled_corners
 from .polygon import inner_angles
 from .sampling import Sampling, sample
 from .side_spacing import SideSpacing, spaced
@@ -80,6 +80,24 @@ def corner_choice(
     )
     message += "; give the corners as indices to keep them where they are" if message else ""
     return CornerChoice(chosen, (a0, a1, a2, a3), penalty, moved, message)
+
+
+def automatic_choice(points: Array, name: str, nodes: tuple[int, int], sampling: Sampling) -> CornerChoice:
+    """Return the corners of least penalty at none of which the boundary nodes make a straight or reflex angle.
+
+    Straight corners are moved; where that does not help, no further choice has a corner there. Where nothing helps, as
+    in a triangle, the first choice is returned.
+    """
+    ranked, first = ranked_corners(points, *nodes), None
+    while len(ranked):
+        choice = corner_choice(points, name, as_corners(ranked[0]), nodes, sampling, keep=False)
+        straight = np.array(choice.angles) >= STRAIGHT
+        if not straight.any():
+            return choice
+        first = first or choice
+        ranked = ranked[~np.isin(ranked, ranked[0][straight]).any(axis=1)]
+    assert first is not None  # An outline has four points at least.
+    return first
 
 
 def _corner_angles(sides: list[Array]) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from support import NO_SHARED, SHARED
@@ -84,11 +86,25 @@ def test_turns_are_seen_over_the_length_of_a_cell(nodes, moved):
     assert settled({(1, 6): 200.0}, (0, 6, 12, 16), circle, nodes)[1] == moved
 
 
+def test_the_automatic_choice_leaves_out_vertices_that_are_straight_for_few_nodes():
+    """The nodes at the end of an edge of the half O-grid are on one line with 30 x 20 cells."""
+    outline = gg.Outline.read(Path(__file__).parents[2] / "examples" / "outlines" / "nlf416_half_o.csv")
+    choice = outline.choose_corners(31, 21, corners="auto")
+    assert max(choice.angles) < STRAIGHT
+    assert gg.certificates(outline.grid(31, 21, corners="auto")) == ()
+
+
+def test_a_triangle_has_three_corners_only():
+    choice = gg.Outline([[0, 0], [1, 0], [0.75, 0.5], [0.5, 1], [0.25, 0.5]], "auto").choose_corners(9, 9, "auto")
+    assert sorted(choice.angles)[2] < STRAIGHT
+    assert max(choice.angles) == pytest.approx(180)
+
+
 OUTLINES = sorted(path.stem for path in (SHARED / "domains" / "outlines").glob("*.csv") if path.stem != "index")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cells", [(40, 40), (60, 40)])
+@pytest.mark.parametrize("cells", [(40, 40), (60, 40), (30, 20)])
 @pytest.mark.parametrize("name", OUTLINES or ["none"])
 def test_the_automatic_choice_is_never_proved_impossible(name, cells):
     path = SHARED / "domains" / "outlines" / f"{name}.csv"
