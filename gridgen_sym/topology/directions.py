@@ -26,18 +26,24 @@ def direction_groups(bonds: Sequence[Bond], blocks: int) -> list[tuple[int, int]
     return [(numbers[root((block, 0))], numbers[root((block, 1))]) for block in range(blocks)]
 
 
-def halvable_groups(bonds: Sequence[Bond], shapes: Sequence[tuple[int, int]], least: int, most: int) -> set[int]:
+def halvable_groups(
+    bonds: Sequence[Bond],
+    groups: Sequence[tuple[int, int]],
+    shapes: Sequence[tuple[int, int]],
+    least: int,
+    most: int,
+) -> set[int]:
     """Return the groups of directions in which every second node can be left out, in all blocks alike.
 
     Their numbers of cells are even, and connections begin at nodes that are kept.
 
     Args:
         bonds: the connections.
+        groups: of the directions, as from `direction_groups`.
         shapes: (ni, nj) of the blocks.
         least: the cells that every block must be left with in such a direction.
         most: groups in which no block has more cells than this stay.
     """
-    groups = direction_groups(bonds, len(shapes))
     odd, large = set(), set()
     for (ni, nj), of_block in zip(shapes, groups, strict=True):
         for count, group in zip((ni, nj), of_block, strict=True):

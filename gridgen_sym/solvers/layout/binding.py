@@ -83,7 +83,7 @@ def make_layout_problem(
             if len(layout) == 1:
                 raise
             raise type(error)(f"block {name}: {error}") from error
-    return LayoutProblem(problems, layout.copies, held)
+    return LayoutProblem(problems, layout.copies, held, layout.bonds)
 
 
 def logical_rectangles(layout: MultiBlock, spacing: Spacing) -> list[LogicalRectangle]:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ...arrays import Array, Mask
+from ...arrays import Array
 from ...topology.copies import Copies
 
 
@@ -27,8 +27,17 @@ class Exchange:
 
     __slots__ = ("_again", "_begin", "_copies", "_places", "_turn", "_turns", "shapes", "size")
 
-    def __init__(self, copies: Copies, shapes: Sequence[tuple[int, int]]) -> None:
-        """Number the blocks' nodes: block after block, each as planes (2, ni, nj)."""
+    def __init__(
+        self, copies: Copies, shapes: Sequence[tuple[int, int]], places: npt.NDArray[np.intp] | None = None
+    ) -> None:
+        """Number the blocks' nodes: block after block, each as planes (2, ni, nj).
+
+        Args:
+            copies: the nodes with several copies.
+            shapes: (ni, nj) of the blocks.
+            places: (2, entries), where x and y of every copy are in fields that are stored otherwise; then only what
+                concerns copies can be used.
+        """
         self._copies = copies
         self.shapes = tuple(shapes)
         counts = np.array([ni * nj for ni, nj in shapes])
@@ -36,7 +45,7 @@ class Exchange:
         self.size = int(self._begin[-1])
         widths = np.array([nj for _, nj in shapes])
         first = self._begin[copies.block] + copies.i * widths[copies.block] + copies.j
-        self._places = np.stack((first, first + counts[copies.block]))
+        self._places = np.stack((first, first + counts[copies.block])) if places is None else places
         self._again = np.delete(self._places, copies.starts, axis=1)
         self._turn, self._turns = copies.turn, bool((copies.turn[0] != 1).any())
 
@@ -68,8 +77,12 @@ class Exchange:
     def of_first_copies(self, field: Array) -> Array:
         """Return a field in which every copy has the vector of the first one."""
         same = field.copy()
-        self.spread(field[self._places[:, self._copies.starts]], same)
+        self.copy_first(same)
         return same
+
+    def copy_first(self, field: Array) -> None:
+        """Give every copy the vector of the first one, in place."""
+        self.spread(field[self._places[:, self._copies.starts]], field)
 
     def distributed(self, field: Array) -> Array:
         """Return a consistent field as a distributed one: what the first copy has, and zero at the others."""
@@ -88,30 +101,3 @@ class Exchange:
             return vectors
         c, s = self._turn[0], -self._turn[1] if back else self._turn[1]
         return np.stack((c * vectors[0] - s * vectors[1], s * vectors[0] + c * vectors[1]))
-
-
-def node_numbers(copies: Copies, fixed: Sequence[Mask]) -> tuple[list[npt.NDArray[np.int64]], int]:
-    """Number the free nodes of blocks; the copies of a node have one number, fixed nodes -1.
-
-    Returns:
-        For each block the numbers (ni, nj); and how many there are.
-    """
-    numbers = [np.full(mask.shape, -1, dtype=np.int64) for mask in fixed]
-    free_copies = [mask == 0 for mask in fixed]
-    count = 0
-    node = np.repeat(np.arange(len(copies.starts)), copies.counts)
-    entry_free = np.array(
-        [fixed[b][i, j] == 0 for b, i, j in zip(copies.block, copies.i, copies.j, strict=True)], dtype=bool
-    )
-    kept = np.unique(node[entry_free])
-    count = len(kept)
-    for b, i, j, number, free in zip(
-        copies.block, copies.i, copies.j, np.searchsorted(kept, node), entry_free, strict=True
-    ):
-        numbers[b][i, j] = number if free else -1
-        free_copies[b][i, j] = False
-    for of_block, free in zip(numbers, free_copies, strict=True):
-        own = int(free.sum())
-        of_block[free] = np.arange(count, count + own)
-        count += own
-    return numbers, count

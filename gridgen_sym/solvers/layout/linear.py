@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array, Mask
-from ...topology.copies import Copies
+from ...topology.copies import Bond, Copies
 from ..linear.solution import LinearSolver, Solution
 from .exchange import Exchange
 from .sparse import LayoutMatrix
@@ -37,15 +37,20 @@ class LayoutDirectSolver:
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve; `right` is consistent, one array of all blocks."""
-        weighted = self._exchange.distributed(right)
-        vector = self._matrix.vector(self._exchange.views(weighted))
+        vector = self._matrix.vector(self._exchange.distributed(right))
         solution = self._factors.solve(vector)
         positive = bool(np.isfinite(solution).all() and solution @ vector > 0)
-        field = np.empty(self._exchange.size)
-        self._matrix.fields(solution, self._exchange.views(field))
+        field = np.zeros(self._exchange.size)
+        self._matrix.spread(solution, field)
         return Solution(field, 0, 0.0, positive)
 
 
-def layout_solver(exchange: Exchange, copies: Copies, fixed: Sequence[Mask], backend: str) -> LinearSolver:
-    """Return the solver for the Hessians of blocks."""
+def layout_solver(
+    exchange: Exchange, copies: Copies, fixed: Sequence[Mask], bonds: Sequence[Bond], backend: str
+) -> LinearSolver:
+    """Return the solver for the Hessians of blocks: multigrid where C can be compiled, else direct."""
+    if backend == "c":
+        from .multigrid import LayoutMultigrid
+
+        return LayoutMultigrid(exchange, copies, fixed, bonds)
     return LayoutDirectSolver(exchange, copies, fixed)

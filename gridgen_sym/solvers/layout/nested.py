@@ -20,6 +20,8 @@ from .untangle import untangle_blocks
 
 #: Blocks keep so many cells along each direction; a group of directions with no more cells in any is not halved.
 _LEAST, _MOST = 2, 4
+#: Layouts with fewer nodes are solved without coarser ones.
+_FEW = 600
 #: How well a coarse problem is solved: its solution is only a start for the next.
 _TOLERANCE, _STEPS = 1e-2, 30
 
@@ -73,8 +75,10 @@ class NestedLayouts:
 
 def _halved(layout: MultiBlock) -> list[tuple[bool, bool]] | None:
     """Return for each block which directions are halved; None where none is."""
+    if layout.node_count < _FEW:
+        return None
     shapes = [grid.shape for grid in layout.blocks]
-    halvable = halvable_groups(layout.bonds, shapes, _LEAST, _MOST)
     groups = direction_groups(layout.bonds, len(layout))
+    halvable = halvable_groups(layout.bonds, groups, shapes, _LEAST, _MOST)
     halved = [(xi in halvable, eta in halvable) for xi, eta in groups]
     return halved if np.any(halved) else None

@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import Array, Mask
 from ...errors import UnusableValueError
 from ...runtime import KernelSet
-from ...topology.copies import Copies
+from ...topology.copies import Bond, Copies
 from ..folds import Folds
 from ..linear.solution import LinearSolver
 from ..norms import mean_edge_length
@@ -25,12 +25,13 @@ class LayoutProblem:
         blocks: the problem on each block; their own masks of fixed nodes have no part in it.
         copies: the nodes with several copies.
         fixed: for each block the mask of nodes that do not move.
+        bonds: what is connected.
         exchange: joins blocks, and sums over copies.
     """
 
-    def __init__(self, blocks: Sequence[Problem], copies: Copies, fixed: Sequence[Mask]) -> None:
+    def __init__(self, blocks: Sequence[Problem], copies: Copies, fixed: Sequence[Mask], bonds: Sequence[Bond]) -> None:
         """Join the problems of blocks."""
-        self.blocks, self.copies, self.fixed = tuple(blocks), copies, tuple(fixed)
+        self.blocks, self.copies, self.fixed, self.bonds = tuple(blocks), copies, tuple(fixed), tuple(bonds)
         self.exchange = Exchange(copies, [mask.shape for mask in self.fixed])
         self._held = self.exchange.join([np.stack((mask, mask)) for mask in self.fixed]) != 0
 
@@ -90,7 +91,7 @@ class LayoutProblem:
 
     def solver(self) -> LinearSolver:
         """Return what solves the linear systems of Newton's method."""
-        return layout_solver(self.exchange, self.copies, self.fixed, self.kernels.backend)
+        return layout_solver(self.exchange, self.copies, self.fixed, self.bonds, self.kernels.backend)
 
     def retract(self, coordinates: Array, *, trial: bool = False) -> None:
         """Do nothing: no node slides."""

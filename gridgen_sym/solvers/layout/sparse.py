@@ -9,11 +9,17 @@ import numpy as np
 import numpy.typing as npt
 
 from ...arrays import Array, Mask
-from ...topology.copies import Copies
-from .exchange import node_numbers
+from ...runtime import HESSIAN_PLANES
+from ...topology.copies import Copies, Indices
 
-#: Neighbors whose blocks the Hessian stores, and the first of their planes.
-_NEIGHBORS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
+#: The neighbors whose blocks the Hessian stores, the node itself first: their shifts, and the planes xx, xy, yx, yy.
+_COUPLINGS = (
+    ((0, 0), (0, 1, 1, 2)),
+    ((1, 0), (3, 4, 5, 6)),
+    ((0, 1), (7, 8, 9, 10)),
+    ((1, 1), (11, 12, 13, 14)),
+    ((1, -1), (15, 16, 17, 18)),
+)
 
 
 class LayoutMatrix:
@@ -25,76 +31,105 @@ class LayoutMatrix:
         size: the number of unknowns.
     """
 
-    def __init__(self, copies: Copies, fixed: Sequence[Mask]) -> None:
-        """Number the unknowns."""
-        self._numbers, count = node_numbers(copies, fixed)
-        self.size = 2 * count
-        self._turns = []
-        for block, mask in enumerate(fixed):
-            turn = np.zeros((2, *mask.shape))
-            turn[0] = 1.0
+    def __init__(self, copies: Copies, fixed: Sequence[Mask], places: Sequence[Indices] | None = None) -> None:
+        """Number the unknowns, and find where the entries of the matrix come from.
+
+        Args:
+            copies: the nodes with several copies.
+            fixed: for each block the mask of nodes without unknowns.
+            places: for each block where x and y of its nodes are in the fields' array, (2, ni, nj); by default block
+                after block, each as planes.
+        """
+        numbers, count = node_numbers(copies, fixed)
+        turns = [np.stack((np.ones(mask.shape), np.zeros(mask.shape))) for mask in fixed]
+        for block, turn in enumerate(turns):
             here = copies.block == block
             turn[:, copies.i[here], copies.j[here]] = copies.turn[:, here]
-            self._turns.append(turn)
+        self.size = 2 * count
+        self._turned = bool((copies.turn[0] != 1).any())
+        self._find_places(numbers, turns, places or _as_planes(fixed))
+        self._find_entries(numbers, turns)
+
+    def _find_places(self, numbers: list[Indices], turns: list[Array], places: Sequence[Indices]) -> None:
+        free = [number >= 0 for number in numbers]
+        self._node = np.concatenate([number[one] for number, one in zip(numbers, free, strict=True)])
+        self._place = np.concatenate([place[:, one] for place, one in zip(places, free, strict=True)], axis=1)
+        self._turn = np.concatenate([turn[:, one] for turn, one in zip(turns, free, strict=True)], axis=1)
+
+    def _find_entries(self, numbers: list[Indices], turns: list[Array]) -> None:
+        """Find for every coupling of free nodes the nodes, their turns, and where its block is in all planes."""
+        parts: list[tuple[Any, ...]] = []
+        begin = 0
+        for number, turn in zip(numbers, turns, strict=True):
+            ni, nj = number.shape
+            flat = np.arange(number.size).reshape(ni, nj)
+            for (di, dj), planes in _COUPLINGS:
+                here = slice(0, ni - di), slice(max(0, -dj), nj - max(0, dj))
+                there = slice(di, ni), slice(max(0, dj), nj + min(0, dj))
+                both = (number[here] >= 0) & (number[there] >= 0)
+                source = begin + np.array(planes)[:, None] * number.size + flat[here][both]
+                ends = turn[:, *here][:, both], turn[:, *there][:, both]
+                beside = np.full(source.shape[1], bool(di or dj))
+                parts.append((source, number[here][both], number[there][both], *ends, beside))
+            begin += HESSIAN_PLANES * number.size
+        joined = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
+        self._source, first, second, one_turn, other_turn, beside = joined
+        self._ends, self._beside = (one_turn, other_turn), beside
+        entry = np.arange(4)[:, None]
+        rows, columns = 2 * first + entry // 2, 2 * second + entry % 2
+        self._rows = np.concatenate((rows.ravel(), columns[:, beside].ravel()))
+        self._columns = np.concatenate((columns.ravel(), rows[:, beside].ravel()))
 
     def assemble(self, hessians: Sequence[Array]) -> Any:  # noqa: ANN401 - scipy.sparse has no types
         """Return the matrix (CSC) of the stored halves (19, ni, nj) of the blocks' own Hessians."""
         from scipy import sparse
 
-        blocks = zip(hessians, self._numbers, self._turns, strict=True)
-        parts = [self._entries(planes, numbers, turn) for planes, numbers, turn in blocks]
-        rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-        return sparse.csc_matrix((values, (rows, columns)), shape=(self.size, self.size))
+        blocks = np.concatenate([planes.ravel() for planes in hessians])[self._source]
+        if self._turned:
+            blocks = _turned(blocks, *self._ends)
+        values = np.concatenate((blocks.ravel(), blocks[:, self._beside].ravel()))
+        return sparse.csc_matrix((values, (self._rows, self._columns)), shape=(self.size, self.size))
 
-    def vector(self, fields: Sequence[Array]) -> Array:
-        """Return the sums over copies of distributed fields (2, ni, nj), as a vector of unknowns."""
-        total = np.zeros(self.size)
-        for field, numbers, (c, s) in zip(fields, self._numbers, self._turns, strict=True):
-            free = numbers >= 0
-            x, y, at = field[0][free], field[1][free], 2 * numbers[free]
-            np.add.at(total, at, c[free] * x + s[free] * y)
-            np.add.at(total, at + 1, c[free] * y - s[free] * x)
-        return total
+    def vector(self, field: npt.NDArray[np.floating[Any]]) -> Array:
+        """Return the sums over copies of a distributed field, as a vector of unknowns."""
+        (x, y), (c, s), count = field[self._place].astype(np.float64), self._turn, self.size // 2
+        along = np.bincount(self._node, c * x + s * y, count), np.bincount(self._node, c * y - s * x, count)
+        return np.array(along, dtype=np.float64).T.ravel()
 
-    def fields(self, vector: Array, into: Sequence[Array]) -> None:
-        """Write a vector of unknowns as consistent fields (2, ni, nj), zero at fixed nodes."""
-        for field, numbers, (c, s) in zip(into, self._numbers, self._turns, strict=True):
-            free = numbers >= 0
-            x, y = vector[2 * numbers[free]], vector[2 * numbers[free] + 1]
-            field[...] = 0.0
-            field[0][free] = c[free] * x - s[free] * y
-            field[1][free] = s[free] * x + c[free] * y
+    def spread(self, vector: Array, field: npt.NDArray[np.floating[Any]]) -> None:
+        """Write a vector of unknowns into a consistent field; fixed nodes are left as they are."""
+        (x, y), (c, s) = vector.reshape(-1, 2).T[:, self._node], self._turn
+        field[self._place[0]], field[self._place[1]] = c * x - s * y, s * x + c * y
 
-    @staticmethod
-    def _entries(planes: Array, numbers: npt.NDArray[np.int64], turn: Array) -> tuple[Array, Array, Array]:
-        """Return rows, columns and values of a block."""
-        ni, nj = numbers.shape
-        found: list[tuple[Array, Array, Array]] = []
 
-        def add(blocks: Array, here: Any, there: Any, *, both_ways: bool) -> None:  # noqa: ANN401
-            first, second = numbers[here], numbers[there]
-            free = (first >= 0) & (second >= 0)
-            turned = _turned(blocks[:, free], turn[:, *here][:, free], turn[:, *there][:, free])
-            for entry in range(4):
-                rows, columns = 2 * first[free] + entry // 2, 2 * second[free] + entry % 2
-                found.append((rows, columns, turned[entry]))
-                if both_ways:
-                    found.append((columns, rows, turned[entry]))
+def node_numbers(copies: Copies, fixed: Sequence[Mask]) -> tuple[list[Indices], int]:
+    """Number the free nodes of blocks; the copies of a node have one number, fixed nodes -1.
 
-        every = np.s_[:, :]
-        add(planes[[0, 1, 1, 2]], every, every, both_ways=False)
-        for (di, dj), first in _NEIGHBORS:
-            here = slice(0, ni - di), slice(max(0, -dj), nj - max(0, dj))
-            there = slice(di, ni), slice(max(0, dj), nj + min(0, dj))
-            add(planes[first : first + 4][:, *here], here, there, both_ways=True)
-        rows, columns, values = (np.concatenate(part) for part in zip(*found, strict=True))
-        return rows, columns, values
+    Returns:
+        For each block the numbers (ni, nj); and how many there are.
+    """
+    offsets = np.cumsum([0, *(mask.size for mask in fixed)])
+    widths = np.array([mask.shape[1] for mask in fixed])
+    place = offsets[copies.block] + copies.i * widths[copies.block] + copies.j
+    free = np.concatenate([mask.ravel() == 0 for mask in fixed])
+    numbers = np.full(len(free), -1, dtype=np.intp)
+    node, here = copies.node, free[place]
+    kept = np.unique(node[here])
+    numbers[place[here]] = np.searchsorted(kept, node[here])
+    free[place] = False
+    numbers[free] = np.arange(len(kept), len(kept) + int(free.sum()))
+    parts = [numbers[a:b].reshape(m.shape) for a, b, m in zip(offsets[:-1], offsets[1:], fixed, strict=True)]
+    return parts, len(kept) + int(free.sum())
+
+
+def _as_planes(fixed: Sequence[Mask]) -> list[Indices]:
+    """Return where the nodes of blocks are whose planes (2, ni, nj) stand one after the other."""
+    begin = np.cumsum([0, *(2 * mask.size for mask in fixed)])
+    return [a + np.arange(2 * mask.size).reshape(2, *mask.shape) for a, mask in zip(begin[:-1], fixed, strict=True)]
 
 
 def _turned(blocks: Array, first: Array, second: Array) -> Array:
     """Return R1ᵀ B R2 of blocks (4, n): xx, xy, yx, yy."""
-    if (first[0] == 1).all() and (second[0] == 1).all():
-        return blocks
     xx, xy, yx, yy = blocks
     c, s = first
     xx, xy, yx, yy = c * xx + s * yx, c * xy + s * yy, c * yx - s * xx, c * yy - s * xy

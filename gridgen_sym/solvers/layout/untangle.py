@@ -63,7 +63,7 @@ def _lower(
 ) -> None:
     """Lower the energy with one regularized barrier, in place."""
     blocks = [regularized(block, functional, parameters, epsilon) for block in problem.blocks]
-    regular = LayoutProblem(blocks, problem.copies, problem.fixed)
+    regular = LayoutProblem(blocks, problem.copies, problem.fixed, problem.bonds)
     minimize(
         regular,
         coordinates,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -19,8 +20,9 @@ _COARSEST = 4
 _WEAK = 0.25
 #: Rows that are processed together, or sampled for all.
 _ROWS = 64
-#: Rows begin at multiples of this many numbers, odd ones, so that rows do not fall into the same cache lines.
-_ALIGNMENT = 16
+#: Rows begin at multiples of this many numbers. Of long rows these are odd multiples, of twice as many, so that rows do
+#: not fall into the same cache lines.
+_ALIGNMENT, _LONG = 8, 128
 #: Rows of the margin before the first one, two so that a column before its first node exists, and after the last.
 MARGIN = (2, 1)
 
@@ -65,7 +67,7 @@ class LevelArrays:
     def allocate(cls, fixed: Mask, layout: _Layout) -> LevelArrays:
         """Allocate for the nodes of a mask."""
         ni, nj = fixed.shape
-        stride = (-(-(nj + 1) // _ALIGNMENT) | 1) * _ALIGNMENT
+        stride = _stride(nj + 1)
         rows = ni + sum(MARGIN)
         counts = layout.planes, layout.pivots, layout.pivots, 2, 2, 2
         arrays = (np.zeros((rows, count, stride), dtype=np.float32)[MARGIN[0] : -MARGIN[1]] for count in counts)
@@ -82,6 +84,41 @@ class LevelArrays:
     def vector_size(self) -> int:
         """How many numbers a vector has, with its margin."""
         return int((self.right.shape[0] + sum(MARGIN)) * self.right[0].size)
+
+
+def _stride(count: int) -> int:
+    """Return the numbers from row to row for so many columns."""
+    if count <= _LONG:
+        return -(-count // _ALIGNMENT) * _ALIGNMENT
+    return (-(-count // (2 * _ALIGNMENT)) | 1) * 2 * _ALIGNMENT
+
+
+def coupling_sizes(level: LevelArrays, layout: _Layout = _LAYOUTS["symmetric"]) -> tuple[float, float]:
+    """Return the mean size of the couplings of neighbors along xi and along eta."""
+    ni, nj = level.fixed.shape
+    some = slice(None, None, max(1, ni // _ROWS))  # On a large grid a sample of rows is enough.
+    rows, columns = (
+        float(sum(np.abs(level.operator[some, entry, :nj]).mean() for entry in pair)) for pair in layout.couplings
+    )
+    return rows, columns
+
+
+def allocate(masks: Sequence[Mask]) -> tuple[list[LevelArrays], tuple[Any, Any, Any]]:
+    """Allocate a level of several blocks.
+
+    Returns:
+        The memory of each block; and the right-hand sides, solutions and residuals of all blocks in one array each, of
+        which the blocks have views.
+    """
+    blocks = [LevelArrays.allocate(mask, _LAYOUTS["symmetric"]) for mask in masks]
+    ends = np.cumsum([block.vector_size for block in blocks])
+    memory = tuple(np.zeros(int(ends[-1]), dtype=np.float32) for _ in range(3))
+    for number, block in enumerate(blocks):
+        part = slice(int(ends[number]) - block.vector_size, int(ends[number]))
+        views = (vector[part].reshape(-1, *block.right.shape[1:])[MARGIN[0] : -MARGIN[1]] for vector in memory)
+        right, solution, work = views
+        blocks[number] = replace(block, right=right, solution=solution, work=work)
+    return blocks, (memory[0], memory[1], memory[2])
 
 
 def _span(mask: Mask, axis: int) -> tuple[int, int]:
@@ -146,12 +183,7 @@ class Hierarchy:
 
     def _directions(self, level: LevelArrays) -> tuple[bool, bool]:
         """Return which directions of a level to halve, rows and columns."""
-        ni, nj = level.fixed.shape
-        some = slice(None, None, max(1, ni // _ROWS))  # On a large grid a sample of rows is enough.
-        rows, columns = (
-            float(sum(np.abs(level.operator[some, entry, :nj]).mean() for entry in pair))
-            for pair in self._layout.couplings
-        )
+        rows, columns = coupling_sizes(level, self._layout)
         large = tuple(count > _COARSEST for count in level.fixed.shape)
         wanted = rows > _WEAK * columns, columns > _WEAK * rows
         halved = large[0] and wanted[0], large[1] and wanted[1]

@@ -5,15 +5,17 @@ from __future__ import annotations
 import ctypes
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from ....runtime import open_library
 
-Stencil = Literal["symmetric", "general"]
+Stencil = Literal["symmetric", "general", "blocks"]
 #: The C files of one translation unit, in their order.
+_LEVELS, _KRYLOV = ("operators", "lines", "cycle"), ("v_cycle", "products", "vectors")
 _PARTS = {
-    "symmetric": ("level", "symmetric", "operators", "lines", "cycle", "vectors", "conjugate_gradients"),
-    "general": ("level", "general", "operators", "lines", "cycle", "vectors", "bicgstab"),
+    "symmetric": ("level", "symmetric", *_LEVELS, *_KRYLOV, "conjugate_gradients"),
+    "general": ("level", "general", *_LEVELS, *_KRYLOV, "bicgstab"),
+    "blocks": ("level", "symmetric", *_LEVELS, "products", "blocks"),
 }
 
 
@@ -36,17 +38,38 @@ def library_source(stencil: Stencil) -> str:
     return "\n".join((folder / f"{part}.c").read_text(encoding="utf-8") for part in _PARTS[stencil])
 
 
-@lru_cache(maxsize=2)
+_POINTER, _INTEGER, _NUMBER = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+_COMMON: dict[str, tuple[list[Any], Any]] = {
+    "take_planes": ([_POINTER, _POINTER, _NUMBER], None),
+    "coarsen": ([_POINTER] * 3, None),
+    "factor": ([_POINTER], _INTEGER),
+}
+_SOLVE = [_POINTER, _INTEGER, _POINTER, _POINTER, _POINTER, _NUMBER, _INTEGER, _NUMBER, _POINTER]
+#: The functions that each library has beside them: the types of their arguments and of their result.
+_OWN: dict[Stencil, dict[str, tuple[list[Any], Any]]] = {
+    "symmetric": {"solve": (_SOLVE, _INTEGER)},
+    "general": {"solve": (_SOLVE, _INTEGER)},
+    "blocks": {
+        "smooth_blocks": ([_POINTER, _INTEGER, _INTEGER, _INTEGER], None),
+        "smooth_blocks_backwards": ([_POINTER, _INTEGER, _INTEGER], None),
+        "residual_of_blocks": ([_POINTER, _INTEGER, _INTEGER], None),
+        "restrict_blocks": ([_POINTER, _POINTER, _INTEGER, _INTEGER], None),
+        "correct_blocks": ([_POINTER, _POINTER, _INTEGER, _INTEGER], None),
+        "relax_shared": ([_POINTER, _POINTER, _INTEGER], None),
+        "sum_shared": ([_POINTER] * 3, None),
+        "multiply_blocks": ([_POINTER, _INTEGER, _INTEGER, *[_POINTER] * 5], _NUMBER),
+        "step_vectors": ([_INTEGER, _INTEGER, _NUMBER, *[_POINTER] * 5, _NUMBER], _NUMBER),
+        "product_of_vectors": ([_INTEGER, _INTEGER, _POINTER, _POINTER], _NUMBER),
+        "next_direction": ([_INTEGER, _INTEGER, _NUMBER, _POINTER, _POINTER], None),
+    },
+}
+
+
+@lru_cache(maxsize=3)
 def load_library(stencil: Stencil) -> ctypes.CDLL:
-    """Compile and load for symmetric stencils, with conjugate gradients, or for general ones, with BiCGStab."""
+    """Compile and load for symmetric stencils, with conjugate gradients, for general ones, with BiCGStab, or blocks."""
     library = open_library(f"multigrid_{stencil}", library_source(stencil))
-    pointer, integer, number = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
-    signatures = {
-        "take_planes": ([pointer, pointer, number], None),
-        "coarsen": ([pointer] * 3, None),
-        "factor": ([pointer], integer),
-        "solve": ([pointer, integer, pointer, pointer, pointer, number, integer, number, pointer], integer),
-    }
+    signatures = _COMMON | _OWN[stencil]
     for name, (arguments, result) in signatures.items():
         function = getattr(library, name)
         function.argtypes, function.restype = arguments, result

@@ -32,7 +32,8 @@ INLINE void solve_rows(const Level *level, int64_t i, int rows) {
   const int64_t S = level->stride, A = 2 * PLANES * S, P = 2 * PIVOTS * S, V = 4 * S;
   const float *restrict a = level->operator+ i * PLANES * S, *restrict p = level->pivots_j + i * PIVOTS * S;
   float *restrict g = level->work + 2 * i * S, *restrict x = level->solution + 2 * i * S;
-  float last_x[4] = {0.0f}, last_y[4] = {0.0f};
+  float last_x[4], last_y[4]; /* what the line goes on to, before and after it: zero, but for nodes shared with a block */
+  for (int k = 0; k < rows; ++k) last_x[k] = x[k * V + begin - 1], last_y[k] = x[k * V + S + begin - 1];
   for (int64_t j = begin; j < end; ++j)
     for (int k = 0; k < rows; ++k) {
       const float *b = a + k * A, *q = p + k * P;
@@ -41,7 +42,7 @@ INLINE void solve_rows(const Level *level, int64_t i, int rows) {
       g[k * V + j] = last_x[k] = PIVOT(q, 0) * rx + PIVOT(q, 1) * ry;
       g[k * V + S + j] = last_y[k] = PIVOT(q, 2) * rx + PIVOT(q, 3) * ry;
     }
-  for (int k = 0; k < rows; ++k) last_x[k] = last_y[k] = 0.0f;
+  for (int k = 0; k < rows; ++k) last_x[k] = x[k * V + end], last_y[k] = x[k * V + S + end];
   for (int64_t j = end - 1; j >= begin; --j)
     for (int k = 0; k < rows; ++k) {
       const float *b = a + k * A, *q = p + k * P;
@@ -115,8 +116,9 @@ static void relax_along_i(const Level *level, Team team, int parity) {
   end -= (end - begin) % 2 == 0;
   for (int64_t i = level->begin_i; i < level->end_i; ++i) {
     float *g = level->work + i * V;
+    const float *before = i > level->begin_i ? g - V : level->solution + (i - 1) * V;
     eliminate_row(level->operator+ i * PLANES * S, level->pivots_i + i * PIVOTS * S, level->right + i * V,
-                  level->solution + i * V, g - V, g, begin, end, S);
+                  level->solution + i * V, before, g, begin, end, S);
   }
   for (int64_t i = level->end_i - 1; i >= level->begin_i; --i) {
     float *x = level->solution + i * V;
