@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from .fields import Field as Field
     from .fields import SampledField as SampledField
     from .fields import Target as Target
+    from .fields import WallRemark as WallRemark
     from .fields import Weight as Weight
     from .fields import raster_field as raster_field
     from .fields import scattered_field as scattered_field
@@ -107,7 +108,7 @@ _PACKAGES = {
     "boundary": "CornerChoice Outline Wall domain domain_names first_height",
     "certificates": "Certificate certificates sliver_certificate",
     "codegen.backend": "Backend register_backend",
-    "fields": "Field SampledField Target Weight raster_field scattered_field",
+    "fields": "Field SampledField Target WallRemark Weight raster_field scattered_field",
     "functionals": "Functional define functional functionals",
     "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",

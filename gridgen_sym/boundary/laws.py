@@ -17,7 +17,7 @@ from ..errors import GridgenError
 
 _BISECTIONS = 100
 #: Bounds on the logarithm of a ratio of neighboring cells, and on the steepness of hyperbolic laws.
-_LARGEST_LOGARITHM, _STEEPEST = 5.0, 300.0
+_LARGEST_LOGARITHM, _STEEPEST = 60.0, 300.0
 _FIXED_POINTS = 60
 
 
@@ -116,6 +116,38 @@ def growing(first: npt.ArrayLike, growth: npt.ArrayLike, cells: int, layers: int
         )
         step[short, kept:] = before[:, None] * np.exp(np.multiply.outer(logarithm, 1 + np.arange(outer)))
     return _fractions(step)
+
+
+def growing_from_both(
+    first: npt.ArrayLike, growth: npt.ArrayLike, last: npt.ArrayLike, growth_last: npt.ArrayLike, cells: int
+) -> Array | None:
+    """Return fractions of cells that grow from both ends until they meet, or are even in the middle.
+
+    Args:
+        first: length of the first cell over that of the line, (m,).
+        growth: factor from one cell to the next at the first end, (m,) or one for all.
+        last: the same of the last cell.
+        growth_last: the same from the last end.
+        cells: number of cells.
+
+    Returns:
+        (m, cells + 1); None where cells that grow so do not meet, or the ends are longer than the mean.
+    """
+    first, last = _checked(first, "first"), _checked(last, "last")
+    number = np.arange(cells)
+    with np.errstate(over="ignore"):
+        from_first = first[:, None] * np.broadcast_to(growth, first.shape)[:, None] ** number
+        from_last = last[:, None] * np.broadcast_to(growth_last, last.shape)[:, None] ** number[::-1]
+    step = np.minimum(np.minimum(from_first, from_last), 1.0)
+    even = _bisect(lambda c: np.minimum(step, c[:, None]).sum(axis=1), np.ones_like(first), 0.0, 1.0)
+    step = np.minimum(step, even[:, None])
+    # Where they do not quite meet, what is missing is that of the longest, as far as growth allows.
+    longest = step == step.max(axis=1, keepdims=True)
+    added = (1 - step.sum(axis=1, keepdims=True)) / longest.sum(axis=1, keepdims=True)
+    allowed = (np.minimum(growth, growth_last) - 1).reshape(-1, 1) * step.max(axis=1, keepdims=True)
+    if (step[:, 0] < first).any() or (step[:, -1] < last).any() or (added > allowed + 1e-12).any():
+        return None
+    return _fractions(step + longest * added)
 
 
 def _checked(length: npt.ArrayLike, name: str) -> Array:

@@ -59,6 +59,11 @@ class Wall:
                 raise GridgenError(
                     f"growth of the wall must be a positive factor, such as 1.2; came {quoted(self.growth)}"
                 )
+            if (growth < 1).any():
+                raise GridgenError(
+                    "growth of the wall must be 1 or more, since cells that shrink do not reach the opposite side; "
+                    f"came {quoted(self.growth)}. Without a growth cells grow, or shrink, as far as that side"
+                )
         if self.law not in get_args(Law):
             raise GridgenError(
                 f"the law of the wall must be one of {', '.join(get_args(Law))}; came {quoted(self.law)}"

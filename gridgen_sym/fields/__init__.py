@@ -10,4 +10,5 @@ from .sampled import scattered_field as scattered_field
 from .scalar import ScalarField as ScalarField
 from .scalar import as_scalar as as_scalar
 from .target import Target as Target
+from .wall_growth import WallRemark as WallRemark
 from .weight import Weight as Weight

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array
-from ..boundary.laws import growing, two_ended
 from ..boundary.sides import Sides
 from ..boundary.wall import Wall
 from ..grids import transfinite
 from ..grids.grid import corner_edges
+from .wall_fractions import distances, fractions_between, side_fractions
 
 #: A height that came out wrong by more than this factor is corrected by the factor at once.
 _LARGEST_CORRECTION = 1.5
@@ -67,11 +67,11 @@ def wall_cells(walls: Sides[Wall | None], coordinates: Array, home: tuple[int, i
             the cells there, evaluated where the nodes of the coarser one are.
     """
     turned = coordinates.transpose(0, 2, 1)
-    eta = _fractions(walls.bottom, walls.top, coordinates, home)
-    xi = _fractions(walls.left, walls.right, turned, (home[1], home[0]))
+    eta = fractions_between(walls.bottom, walls.top, coordinates, home)
+    xi = fractions_between(walls.left, walls.right, turned, (home[1], home[0]))
     xi = None if xi is None else xi.T
-    eta_lines = _side_fractions(coordinates) if eta is None else eta
-    xi_lines = _side_fractions(turned).T if xi is None else xi
+    eta_lines = side_fractions(coordinates) if eta is None else eta
+    xi_lines = side_fractions(turned).T if xi is None else xi
     edges_eta = _lengths_across(coordinates, xi_lines) if eta is None else _lengths_of_law(coordinates, eta)
     edges_xi = _lengths_across(turned, eta_lines.T).T if xi is None else _lengths_of_law(turned, xi.T).T
     along_xi = np.stack([edges_xi[:, :-1], edges_xi[:, :-1], edges_xi[:, 1:], edges_xi[:, 1:]])
@@ -145,100 +145,9 @@ def corrected(
     return Sides(*found), worst
 
 
-def _fractions(low: Wall | None, high: Wall | None, coordinates: Array, home: tuple[int, int]) -> Array | None:
-    """Return the fractions (ni, nj) of the lines along the last axis between two sides, walls or not."""
-    if low is None and high is None:
-        return None
-    nj = coordinates.shape[2]
-    cells, length = home[1] - 1, _distances(coordinates)
-    own = _side_fractions(coordinates)
-    # First and last cells of the sides' own lines, as they would be on the grid at home.
-    step = 1 / max(cells, 1) * (nj - 1)
-    ends = (own[:, 1] * step, (1 - own[:, -2]) * step)
-    if low is not None and high is not None:
-        law = _between_walls(low, high, length, ends, cells, home[0], coordinates)
-    elif low is not None:
-        first, growth = _at_lines(low, length, ends[0], home[0], coordinates[:, :, 0])
-        law = low.fractions(length, first, growth, cells)
-    else:
-        assert high is not None
-        first, growth = _at_lines(high, length, ends[1], home[0], coordinates[:, :, -1])
-        law = 1 - high.fractions(length, first, growth, cells)[:, ::-1]
-    return _sampled(law, nj)
-
-
-def _between_walls(
-    low: Wall, high: Wall, length: Array, ends: tuple[Array, Array], cells: int, count: int, coordinates: Array
-) -> Array:
-    first, growth = _at_lines(low, length, ends[0], count, coordinates[:, :, 0])
-    last, growth_high = _at_lines(high, length, ends[1], count, coordinates[:, :, -1])
-    if growth is None or growth_high is None:
-        return two_ended(first / length, last / length, cells)
-    from_low = np.diff(growing(first / length, growth, cells), axis=1)
-    from_high = np.diff(growing(last / length, growth_high, cells), axis=1)[:, ::-1]
-    # Both grow toward the middle, where the shorter of both counts; what is missing is the middle's.
-    step = np.minimum(from_low, from_high)
-    middle = step == step.max(axis=1, keepdims=True)
-    rest = 1 - step.sum(axis=1, keepdims=True)
-    if (rest < 0).any() or (rest > step.max(axis=1, keepdims=True)).any():
-        return two_ended(first / length, last / length, cells)
-    step = step + middle * rest / middle.sum(axis=1, keepdims=True)
-    ends_of_cells = np.concatenate((np.zeros((len(step), 1)), np.cumsum(step, axis=1)), axis=1)
-    return np.asarray(ends_of_cells / ends_of_cells[:, -1:])
-
-
-def _at_lines(wall: Wall, length: Array, ends: Array, count: int, side: Array) -> tuple[Array, Array | None]:
-    """Return the first height and the growth at every line, from the values at the nodes of a side at home.
-
-    Beside a wall that is a part of the side, heights pass geometrically, with the arc length, to those of the side's
-    ends, and growth is that at the wall's end.
-    """
-    lines = np.linspace(0, count - 1, len(length))
-    index, first = wall.along(wall.first, count, "first")
-    known, heights = index.astype(float), np.log(first)
-    arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(side, axis=1)))))
-    place = np.interp(known, lines, arc)
-    if known[0] > 0:
-        place, heights = np.append(arc[0], place), np.append(np.log(ends[0] * length[0]), heights)
-    if known[-1] < count - 1:
-        place, heights = np.append(place, arc[-1]), np.append(heights, np.log(ends[-1] * length[-1]))
-    first_at = np.exp(np.interp(arc, place, heights))
-    if wall.growth is None:
-        return first_at, None
-    index, growth = wall.along(wall.growth, count, "growth")
-    return first_at, np.interp(lines, index, growth)
-
-
-def _sampled(law: Array, count: int) -> Array:
-    """Return fractions at the nodes of a line at home, evaluated at so many nodes."""
-    cells = law.shape[1] - 1
-    if count == cells + 1:
-        return law
-    from scipy.interpolate import PchipInterpolator
-
-    return np.asarray(PchipInterpolator(np.linspace(0, 1, cells + 1), law, axis=1)(np.linspace(0, 1, count)))
-
-
-def _distances(coordinates: Array) -> Array:
-    """Return the distance from each node of the first line along the last axis to that of the last one."""
-    return np.asarray(np.hypot(*(coordinates[:, :, -1] - coordinates[:, :, 0])))
-
-
-def _side_fractions(coordinates: Array) -> Array:
-    """Return fractions of the lines along the last axis that pass from those of the one side to those of the other."""
-    first, last = _arc_fractions(coordinates[:, 0]), _arc_fractions(coordinates[:, -1])
-    share = np.linspace(0, 1, coordinates.shape[1])[:, None]
-    return np.asarray((1 - share) * first + share * last)
-
-
-def _arc_fractions(line: Array) -> Array:
-    arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=1)))))
-    return np.asarray(arc / arc[-1])
-
-
 def _lengths_of_law(coordinates: Array, fractions: Array) -> Array:
     """Return the lengths of edges along the last axis, (ni, nj-1)."""
-    return np.asarray(np.diff(fractions, axis=1) * _distances(coordinates)[:, None])
+    return np.asarray(np.diff(fractions, axis=1) * distances(coordinates)[:, None])
 
 
 def _lengths_across(coordinates: Array, fractions: Array) -> Array:

@@ -13,6 +13,7 @@ from ..boundary.sides import Sides
 from ..boundary.wall import NO_WALLS, Wall, asked_heights
 from ..certificates import Certificate, certificates
 from ..errors import UnusableValueError
+from ..fields.wall_growth import wall_remarks
 from ..functionals.definition import Functional
 from ..grids import Change, Grid, Measures, corner_jacobians, folded_corners, quality
 from ..grids.grid import boundary_indices
@@ -191,7 +192,9 @@ class Run:
                 )
         change = self._change(grid)
         slides = self.problem.slide.caution(self.coordinates) if self.problem.slide else ""
-        remarks = self.problem.caution(self.coordinates) + self.remark + slides + f" {change.warning}".rstrip()
+        growth = wall_remarks(self.walls, self.coordinates)
+        told = "".join(f" {one}" for one in (self.remark.strip(), *growth, change.warning) if str(one))
+        remarks = self.problem.caution(self.coordinates) + slides + told
         found = Result(
             grid=grid,
             converged=outcome.converged,
@@ -204,6 +207,7 @@ class Run:
             untangled_by=self.untangled_by,
             logical_area=self.problem.logical_area,
             change=change,
+            wall_remarks=growth,
         )
         if smallest > 0:
             self._check_samples(found)

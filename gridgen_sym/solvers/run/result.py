@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...certificates import Certificate
+from ...fields.wall_growth import WallRemark
 from ...grids import Change, Grid, Quality, quality
 from .status import Status, StopReason
 
@@ -52,6 +53,7 @@ class Result:
             `spacing="index"`.
         change: some measures of the start and of `grid`; the message has one sentence on what of them is worse. Every
             solver gives it; None in a result made otherwise.
+        wall_remarks: growth of walls that the cells cannot keep, with its numbers; the message has their sentences.
     """
 
     grid: Grid
@@ -65,6 +67,7 @@ class Result:
     untangled_by: str = ""
     logical_area: float = 1.0
     change: Change | None = None
+    wall_remarks: tuple[WallRemark, ...] = ()
 
     @property
     def stopped_by(self) -> StopReason | None:
