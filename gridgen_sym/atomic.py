@@ -6,11 +6,13 @@ import contextlib
 import errno
 import os
 import secrets
+import shutil
 import stat
+from collections.abc import Mapping
 from pathlib import Path
 from typing import BinaryIO
 
-from .errors import GridgenError, shortened
+from .errors import GridgenError, quoted, shortened
 
 
 def shown(path: str | os.PathLike[str]) -> str:
@@ -47,6 +49,55 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
             f"cannot write {shown(path)}: {error.strerror or error}; check the permissions and the free space of "
             "its folder, or write elsewhere"
         ) from error
+
+
+def write_folder(path: str | os.PathLike[str], files: Mapping[str, bytes]) -> None:
+    """Write a folder of files so that `path` holds either what it held before or all of the new ones.
+
+    The files go to a new folder beside it, which then takes its place. An old folder is removed; it must hold nothing
+    but files with the suffixes of the new ones.
+
+    Args:
+        path: the folder.
+        files: the contents, by their names.
+
+    Raises:
+        GridgenError: if the folder holds other files, or cannot be written.
+    """
+    folder = Path(os.path.realpath(path))
+    suffixes = {Path(name).suffix for name in files}
+    new, old = (folder.parent / f".gridgen-{os.getpid()}-{secrets.token_hex(6)}.tmp" for _ in range(2))
+    try:
+        if os.path.lexists(folder):
+            _check_replaceable(folder, suffixes)
+        new.mkdir()
+        for name, data in files.items():
+            _replace(new / name, data, None, None)
+        if folder.is_dir():
+            folder.rename(old)
+        new.rename(folder)
+    except OSError as error:
+        if old.is_dir() and not folder.is_dir():
+            old.rename(folder)
+        raise GridgenError(
+            f"cannot write the folder {shown(path)}: {error.strerror or error}; check the permissions and the free "
+            "space there, or write elsewhere"
+        ) from error
+    finally:
+        for left in (new, old):
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def _check_replaceable(folder: Path, suffixes: set[str]) -> None:
+    """Refuse to replace what holds anything but files of these suffixes."""
+    if not folder.is_dir():
+        raise GridgenError(f"cannot write the folder {shown(folder)}: a file has this name; remove it first")
+    for inside in sorted(folder.iterdir()):
+        if inside.suffix not in suffixes or not inside.is_file() or inside.is_symlink():
+            raise GridgenError(
+                f"cannot replace the folder {shown(folder)}: it also holds {quoted(inside.name)}, which was not "
+                "written here; move that, or write elsewhere"
+            )
 
 
 def check_target(path: str | os.PathLike[str]) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -109,7 +110,7 @@ class Grid:
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the grid to a file of the kind that the suffix names; see `gridgen_sym.write`."""
-        _writer(self, path)
+        write_to_file(self, path)
 
     def __eq__(self, other: object) -> bool:
         """Whether `other` is a grid with the same coordinates."""
@@ -130,22 +131,33 @@ class Grid:
         return Grid.from_planes, (self.planes[0], self.planes[1])
 
 
-def write_grids_with(writer: Callable[[Grid, str | PathLike[str]], None]) -> None:
-    """Set what `Grid.write` calls: `io` does, since file formats know grids, and grids no file format."""
+def write_to_file(made: object, path: str | PathLike[str]) -> None:
+    """Write a grid of one or several blocks to a file of the kind that the suffix names."""
+    _writer(made, path)
+
+
+def write_grids_with(writer: Callable[[Any, str | PathLike[str]], None]) -> None:
+    """Set what writes grids: `io` does, since file formats know grids, and grids no file format."""
     global _writer
     _writer = writer
 
 
-def _no_writer(_: Grid, path: str | PathLike[str]) -> None:
+def _no_writer(_: object, path: str | PathLike[str]) -> None:
     raise GridgenError(f"cannot write {path}: no file formats are loaded; import gridgen_sym.io")
 
 
-_writer: Callable[[Grid, str | PathLike[str]], None] = _no_writer
+_writer: Callable[[Any, str | PathLike[str]], None] = _no_writer
 
 
-def check_grid(grid: Grid) -> None:
-    """Raise a `GridgenError` unless `grid` is one, and not an array, say."""
+def check_grid(grid: object) -> None:
+    """Raise a `GridgenError` unless `grid` is one, and not an array, say, or several blocks."""
     if not isinstance(grid, Grid):
+        blocks = getattr(grid, "blocks", None)
+        if isinstance(blocks, tuple):  # A MultiBlock, of which this package does not know.
+            raise GridgenError(
+                f"expected a grid of one block, came a MultiBlock of {len(blocks)}: this is for one block; pass one of "
+                "layout.blocks"
+            )
         raise GridgenError(f"expected a Grid, came {type(grid).__name__}: make one with gridgen_sym.Grid(xy)")
 
 

@@ -1,94 +1,155 @@
-"""PLOT3D grid files (.xyz, .p2dfmt), ASCII and whole.
+"""PLOT3D grid files (.xyz, .p2dfmt), ASCII and whole, of one block or several.
 
-Written: the multi-block, three-dimensional form with one block and one k plane, which most programs take:
-the line ``1``, the line ``ni nj 1``, then all x, all y and all z (zeros), i running fastest; to
-``.p2dfmt``, the suffix of NASA's plane grids, the two-dimensional one: ``ni nj``, and no z. Read: both, also
-without the block count, and with iblank after the coordinates where no node is blanked out.
+Written: the multi-block, three-dimensional form with one k plane, which most programs take: the number of blocks,
+a line ``ni nj 1`` for each, then for each all x, all y and all z (zeros), i running fastest; to ``.p2dfmt``, the
+suffix of NASA's plane grids, the two-dimensional one: ``ni nj``, and no z. Read: both, one block also without the
+count, and with iblank after the coordinates where no node is blanked out.
 VTK and ParaView cannot distinguish these forms in ASCII: switch 'Multi Grid' on there.
 Source: P. P. Walatka et al., PLOT3D User's Manual, NASA TM-101067 (1990), chapter 8.
 """
 
 from __future__ import annotations
 
-import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice, repeat
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..errors import GridgenError, quoted, shortened
+from ..errors import GridgenError
 from ..grids.grid import Grid
 from ..messages import report
-from .checks import check_packing, plane_grid
+from .checks import plane_grid
+from .plot3d_numbers import EXPECTED, Numbers, numbers_in
 
-_EXPECTED = "expected ASCII numbers: [1,] ni, nj, [1,] then all x, all y [and all z] [and all iblank]"
-#: Fortran writes D for E, and leaves the letter out where the exponent has three digits: 1.5D+02, 1.5-120.
-_LETTER = re.compile(r"[dDqQ](?<=[0-9.].)(?=[+-]?[0-9])")
-_NO_LETTER = re.compile(r"[+-](?<=[0-9.].)(?=[0-9]{1,4}(?:\s|$))")
-_MOST_DIGITS = 12  # Of a repeat count: its product with the size of a number stays a 64-bit integer.
+_MOST_BLOCKS = 100_000  # A first number that is larger counts no blocks.
 
 
-def encode(grid: Grid) -> bytes:
-    """Return the grid as a PLOT3D file: multi-block, three-dimensional, ASCII."""
-    ni, nj = grid.shape
-    values = np.concatenate((grid.x.T.ravel(), grid.y.T.ravel(), np.zeros(ni * nj)))
+def encode(*blocks: Grid) -> bytes:
+    """Return grids as a PLOT3D file: multi-block, three-dimensional, ASCII."""
+    return _encoded(blocks, " 1", lambda grid: (grid.x, grid.y, np.zeros(grid.shape)))
+
+
+def encode_plane(*blocks: Grid) -> bytes:
+    """Return grids as a PLOT3D file: multi-block, two-dimensional, ASCII."""
+    return _encoded(blocks, "", lambda grid: (grid.x, grid.y))
+
+
+def _encoded(blocks: Sequence[Grid], depth: str, planes_of: Callable[[Grid], tuple[Array, ...]]) -> bytes:
+    sizes = "".join(f"{ni} {nj}{depth}\n" for ni, nj in (grid.shape for grid in blocks))
+    values = np.concatenate([plane.T.ravel() for grid in blocks for plane in planes_of(grid)])
     body = ("%.17g\n" * values.size) % tuple(values.tolist())
-    return f"1\n{ni} {nj} 1\n{body}".encode("ascii")
+    return f"{len(blocks)}\n{sizes}{body}".encode("ascii")
 
 
-def encode_plane(grid: Grid) -> bytes:
-    """Return the grid as a PLOT3D file: multi-block, two-dimensional, ASCII."""
-    ni, nj = grid.shape
-    values = np.concatenate((grid.x.T.ravel(), grid.y.T.ravel()))
-    body = ("%.17g\n" * values.size) % tuple(values.tolist())
-    return f"1\n{ni} {nj}\n{body}".encode("ascii")
-
-
-def decode(data: bytes) -> Grid:
-    """Return the grid of a PLOT3D file of one block. That an iblank is ignored is reported.
+def decode(data: bytes) -> list[Grid]:
+    """Return the grids of a PLOT3D file, block by block. That an iblank is ignored is reported.
 
     Raises:
-        GridgenError: for binary data, a word that is no number, several blocks, a volume, z that varies, nodes
-            blanked out by iblank, or a count of numbers that does not fit the header.
+        GridgenError: for binary data, a word that is no number, a volume, z that varies, nodes blanked out by iblank,
+            or a count of numbers that does not fit the header.
     """
     try:
         text = data.decode("ascii")
     except UnicodeDecodeError as error:
-        raise GridgenError(f"byte {error.start} is not ASCII text, so the file may be binary; {_EXPECTED}") from error
-    numbers = _numbers(text)
-    head = numbers.head(4)
-    counted = head[0] == 1  # No side of a grid has one node, so this is a count of blocks.
-    ni, nj, nk = head[1:] if counted else head[:3]
-    dimensions = _dimensions(text, counted)
-    # Where the lines of the header do not give the dimension, planes of iblank cannot be distinguished from those of z.
-    for blanked in (False, True) if len(dimensions) == 1 else (False,):
-        for dimension in dimensions:
-            depth = nk if dimension == 3 else 1
-            skip, planes = counted + dimension, dimension + blanked
-            if min(ni, nj, depth) > 0 and numbers.count == skip + planes * ni * nj * depth:
-                return _grid(numbers.all()[skip:].reshape(planes, depth, nj, ni), dimension)
-    several = " (the first number may count several blocks: split the file)" if head[0] > 1 else ""
+        raise GridgenError(f"byte {error.start} is not ASCII text, so the file may be binary; {EXPECTED}") from error
+    numbers = numbers_in(text)
+    forms = list(_forms(text, numbers))
+    for form in forms:
+        if numbers.count == form.count:
+            return _grids(numbers.all(), form)
     counts = ", repeat counts included," if numbers.repeats is not None else ""
+    needed = " or ".join(dict.fromkeys(f"{form.described} needs {form.count}" for form in forms))
     raise GridgenError(
-        f"its {numbers.count} numbers{counts} do not fit its header, which begins {head[:3]}{several}; {_EXPECTED}. "
-        "The file may be cut short: write it again"
+        f"its {numbers.count} numbers{counts} do not fit its header, which begins {numbers.head(3)}"
+        f"{f' ({needed})' if needed else ''}; {EXPECTED}. The file may be cut short: write it again"
     )
 
 
-def _dimensions(text: str, counted: bool) -> tuple[int, ...]:
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """What a header may mean.
+
+    Attributes:
+        skip: how many numbers the header has.
+        sizes: (ni, nj, nk) of every block.
+        dimension: how many coordinates a node has.
+        blanked: whether each block has a plane of iblank.
+    """
+
+    skip: int
+    sizes: tuple[tuple[int, int, int], ...]
+    dimension: int
+    blanked: bool
+
+    @property
+    def planes(self) -> int:
+        """How many numbers a node has."""
+        return self.dimension + self.blanked
+
+    @property
+    def count(self) -> int:
+        """How many numbers the file has."""
+        return self.skip + self.planes * sum(ni * nj * nk for ni, nj, nk in self.sizes)
+
+    @property
+    def described(self) -> str:
+        """The form in words for a message."""
+        ni, nj, nk = self.sizes[0]
+        first = f"{ni} x {nj}" + f" x {nk}" * (self.dimension == 3)
+        blocks = f"{len(self.sizes)} blocks, the first of {first} nodes," if len(self.sizes) > 1 else f"{first} nodes"
+        return f"{blocks} in {self.dimension} dimensions" + " with iblank" * self.blanked
+
+
+def _forms(text: str, numbers: Numbers) -> Iterator[_Form]:
+    """Yield what the header may mean, the likeliest first."""
+    count, alone = numbers.head(1)[0], len(text.split("\n", 1)[0].split()) == 1
+    # No side of a grid has one node, so that 1 counts blocks; a number alone in its line most likely does so, too.
+    counted = [True] if count == 1 else [True, False] if alone else [False, True]
+    for has_count in counted:
+        blocks = count if has_count else 1
+        if not 0 < blocks <= min(_MOST_BLOCKS, numbers.count):
+            continue
+        dimensions = _dimensions(text, blocks, has_count=has_count)
+        # Where the lines of the header do not give the dimension, iblank cannot be distinguished from z.
+        for blanked in (False, True) if len(dimensions) == 1 else (False,):
+            for dimension in dimensions:
+                skip = has_count + dimension * blocks
+                head = np.array(numbers.head(skip)[has_count:], dtype=object).reshape(blocks, dimension)
+                sizes = tuple((ni, nj, rest[0] if rest else 1) for ni, nj, *rest in head.tolist())
+                if min(min(size) for size in sizes) > 0:
+                    yield _Form(skip, sizes, dimension, blanked)
+
+
+def _dimensions(text: str, blocks: int, *, has_count: bool) -> tuple[int, ...]:
     """Return the dimensions that the file may have: the words in the header's lines give it, if it has lines.
 
     The count of all numbers would nearly do, but a three-dimensional file cut short can pass for a whole
     two-dimensional one.
     """
     lines = text.split("\n", 2)
-    header = lines[0].split()
-    if counted and len(header) == 1 and len(lines) > 1:
-        header += lines[1].split()
-    sizes = len(header) - counted
-    return (sizes,) if sizes in (2, 3) else (3, 2)
+    words = len(lines[0].split()) - has_count
+    if words == 0 and len(lines) > 1:
+        words = len(lines[1].split())
+    known = {3 * blocks: 3, 2 * blocks: 2, 3: 3, 2: 2}  # All sizes in one line, or those of one block.
+    return (known[words],) if words in known else (3, 2)
+
+
+def _grids(values: Array, form: _Form) -> list[Grid]:
+    """Return the grids of all numbers of a file."""
+    grids, begin = [], form.skip
+    for number, (ni, nj, nk) in enumerate(form.sizes, start=1):
+        end = begin + form.planes * ni * nj * nk
+        try:
+            grids.append(_grid(values[begin:end].reshape(form.planes, nk, nj, ni), form.dimension))
+        except GridgenError as error:
+            if len(form.sizes) == 1:
+                raise
+            raise GridgenError(f"block {number}: {error}") from error
+        begin = end
+    if form.blanked:
+        report("the file's iblank is ignored: it marks no holes")
+    return grids
 
 
 def _grid(planes: Array, dimension: int) -> Grid:
@@ -105,7 +166,7 @@ def _grid(planes: Array, dimension: int) -> Grid:
 def _check_iblank(iblank: Array) -> None:
     """Refuse holes, which iblank = 0 marks; other nodes are nodes of the grid, whatever iblank holds there."""
     if not (iblank % 1 == 0).all():
-        raise GridgenError(f"a plane of iblank would fit its header, but its numbers are not whole; {_EXPECTED}")
+        raise GridgenError(f"a plane of iblank would fit its header, but its numbers are not whole; {EXPECTED}")
     holes = np.argwhere(iblank == 0)
     if len(holes):
         i, j = holes[0].tolist()
@@ -113,67 +174,3 @@ def _check_iblank(iblank: Array) -> None:
             f"its iblank marks {len(holes)} nodes as holes (0), the first of which is node ({i}, {j}): holes cannot be "
             "represented here. Cut out a block without any"
         )
-    report("the file's iblank is ignored: it marks no holes")
-
-
-@dataclass(frozen=True, slots=True)
-class _Numbers:
-    """The numbers of a file, those that Fortran wrote once for several not yet written out.
-
-    Attributes:
-        values: one for each word.
-        repeats: how often each is in the file; None for once each.
-    """
-
-    values: Array
-    repeats: NDArray[np.int64] | None
-
-    @property
-    def count(self) -> int:
-        """How many numbers there are."""
-        # Python's whole numbers do not overflow.
-        return len(self.values) if self.repeats is None else sum(self.repeats.tolist())
-
-    def head(self, count: int) -> list[int]:
-        """Return the first numbers as whole ones, 0 for any other, and for those that are not there."""
-        times = repeat(1) if self.repeats is None else self.repeats.tolist()
-        written = (value for value, n in zip(self.values.tolist(), times, strict=False) for _ in range(n))
-        first = [int(value) if value.is_integer() else 0 for value in islice(written, count)]
-        return first + [0] * (count - len(first))
-
-    def all(self) -> Array:
-        """Return all numbers, which `count` has been found to fit the header."""
-        if self.repeats is None:
-            return self.values
-        check_packing(8 * len(self.values), 8 * self.count, "what its repeat counts stand for")
-        return np.repeat(self.values, self.repeats)
-
-
-def _numbers(text: str) -> _Numbers:
-    """Return all numbers of the file, with the shorthands of Fortran's output understood."""
-    words = _NO_LETTER.sub(r"e\g<0>", _LETTER.sub("e", text.replace(",", " "))).split()
-    if not words:
-        raise GridgenError(f"it holds no numbers; {_EXPECTED}")
-    repeats = None
-    if "*" in text:
-        pairs = [_repeated(word) for word in words]
-        repeats, words = np.array([count for count, _ in pairs], dtype=np.int64), [value for _, value in pairs]
-    try:
-        if "_" in text:  # NumPy takes 1_0 for ten.
-            raise ValueError(f"{quoted(next(word for word in words if '_' in word))} is not a number")
-        with np.errstate(all="ignore"):
-            return _Numbers(np.array(words, dtype=np.float64), repeats)
-    except ValueError as error:
-        raise GridgenError(f"{shortened(error)}; {_EXPECTED}") from error
-
-
-def _repeated(word: str) -> tuple[int, str]:
-    """Return how often a word stands for a number, and which: Fortran writes ``3*0.5`` for three equal ones."""
-    count, star, value = word.partition("*")
-    if not star:
-        return 1, word
-    if not count.isdigit() or len(count) > _MOST_DIGITS:
-        raise GridgenError(
-            f"the repeat count in {quoted(word)} is not a number of at most {_MOST_DIGITS} digits; {_EXPECTED}"
-        )
-    return int(count), value

@@ -41,17 +41,7 @@ def decode(data: bytes) -> Grid:
             compressor, or data that do not fit the extent.
     """
     xml, appended = _split_appended(data)
-    if b"<!DOCTYPE" in xml or b"\0" in xml:  # Entities could expand without bound; UTF-16 would hide them.
-        raise GridgenError(f"it declares a document type, or is no plain text, which no VTK file does; {DAMAGED}")
-    try:
-        root = ElementTree.fromstring(xml)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise GridgenError(f"its XML is broken ({error}); {DAMAGED}") from error
-    if root.tag != "VTKFile" or root.get("type") != "StructuredGrid":
-        raise GridgenError(
-            f"its root is <{shortened(root.tag)} type={quoted(root.get('type'))}>; expected a VTKFile of type "
-            "StructuredGrid"
-        )
+    root = xml_root(xml, "StructuredGrid")
     pieces = root.findall("StructuredGrid/Piece")
     if len(pieces) != 1:
         raise GridgenError(f"it has {len(pieces)} pieces; expected 1: merge them first")
@@ -64,6 +54,25 @@ def decode(data: bytes) -> Grid:
         raise GridgenError(f"its extent has {ni} x {nj} points of 3 numbers, but {values.size} came; {DAMAGED}")
     x, y, z = (plane.T for plane in values.reshape(nj, ni, 3).transpose(2, 0, 1))
     return plane_grid(x, y, z)
+
+
+def xml_root(xml: bytes, kind: str) -> ElementTree.Element:
+    """Return the root of a VTK XML file of a kind.
+
+    Raises:
+        GridgenError: for broken XML, or another kind.
+    """
+    if b"<!DOCTYPE" in xml or b"\0" in xml:  # Entities could expand without bound; UTF-16 would hide them.
+        raise GridgenError(f"it declares a document type, or is no plain text, which no VTK file does; {DAMAGED}")
+    try:
+        root = ElementTree.fromstring(xml)
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise GridgenError(f"its XML is broken ({error}); {DAMAGED}") from error
+    if root.tag != "VTKFile" or root.get("type") != kind:
+        raise GridgenError(
+            f"its root is <{shortened(root.tag)} type={quoted(root.get('type'))}>; expected a VTKFile of type {kind}"
+        )
+    return root
 
 
 def _shape(extent: str) -> tuple[int, int]:

@@ -226,6 +226,7 @@ def untangle(
     Raises:
         GridgenError: if the functional has no barrier, and for other input that cannot be used.
     """
+    check_grid(grid)
     definition = find_functional(functional)
     if definition.fields:
         definition = find_functional("winslow")

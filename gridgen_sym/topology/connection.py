@@ -118,9 +118,16 @@ class Connection:
         """Connect; see `Connection`.
 
         Raises:
-            GridgenError: for a translation, rotation or center that are no finite numbers.
+            GridgenError: for parts that are no sequences, and a translation, rotation or center that are no finite
+                numbers.
         """
-        numbers = np.array([*translation, rotation, *center], dtype=float)
+        for part in (one, other):
+            if isinstance(part, str) or not isinstance(part, Sequence):
+                raise GridgenError(f"a connected part is a block and a side, such as ('a', 'top'); came {quoted(part)}")
+        try:
+            numbers = np.array([*translation, rotation, *center], dtype=float)
+        except (TypeError, ValueError):
+            numbers = np.empty(0)
         if numbers.shape != (5,) or not np.isfinite(numbers).all():
             raise GridgenError(
                 "translation and center are pairs of finite numbers, rotation is an angle in degrees; came "

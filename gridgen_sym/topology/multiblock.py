@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from typing import Literal
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from ..arrays import Array, Mask
 from ..errors import GridgenError, quoted
 from ..grids import Grid
-from ..grids.grid import check_grid
+from ..grids.grid import check_grid, write_to_file
 from .coincidence import coinciding_parts
 from .connection import IDENTITY, Connection, PartLike, SidePart, side_part
 from .copies import Bond, Copies
@@ -66,9 +67,7 @@ class MultiBlock:
             GridgenError: for blocks that are no grids, parts of sides with different numbers of nodes or more than one
                 connection, and connected nodes that lie apart.
         """
-        named = dict(blocks) if isinstance(blocks, Mapping) else {str(k): grid for k, grid in enumerate(blocks)}
-        if not named:
-            raise GridgenError("a layout needs at least one block")
+        named = _named(blocks)
         for grid in named.values():
             check_grid(grid)
         grids, names = tuple(named.values()), tuple(named)
@@ -114,6 +113,10 @@ class MultiBlock:
         every = sum(grid.shape[0] * grid.shape[1] for grid in self.blocks)
         return every - len(self.copies.block) + len(self.copies.starts)
 
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write the layout to a file of the kind that the suffix names; see `gridgen_sym.write`."""
+        write_to_file(self, path)
+
     def moved(self, planes: Sequence[Array]) -> MultiBlock:
         """Return the same layout with other coordinates, (2, ni, nj) for each block, whose copies are equal."""
         return self._with(blocks=tuple(Grid.from_planes(*plane) for plane in planes))
@@ -143,9 +146,19 @@ class MultiBlock:
         return made
 
 
+def _named(blocks: Sequence[Grid] | Mapping[str, Grid]) -> dict[str, Grid]:
+    """Return the blocks by their names."""
+    if not isinstance(blocks, Mapping | Sequence):
+        raise GridgenError(f"blocks are a sequence of grids, or grids by their names; came {quoted(blocks)}")
+    if not blocks:
+        raise GridgenError("a layout needs at least one block")
+    named = blocks if isinstance(blocks, Mapping) else dict(enumerate(blocks))
+    return {str(name): grid for name, grid in named.items()}
+
+
 def _bonds(connections: Connections, grids: Sequence[Grid], names: Sequence[str]) -> tuple[Bond, ...]:
     """Return what is connected, with parts that are checked."""
-    if isinstance(connections, str) and connections != "auto":
+    if not isinstance(connections, Sequence) or (isinstance(connections, str) and connections != "auto"):
         raise GridgenError(f"connections are 'auto', or a sequence of Connection; came {quoted(connections)}")
     given = ("auto",) if isinstance(connections, str) else tuple(connections)
     numbers, shapes = {name: k for k, name in enumerate(names)}, [grid.shape for grid in grids]

@@ -1,0 +1,282 @@
+"""Files of several blocks: PLOT3D and VTK, and the neutral map files beside them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from layouts import butterfly, cut, ring
+from support import NO_SHARED, SHARED
+
+import gridgen_sym as gg
+from gridgen_sym.io import plot3d
+
+NASA = SHARED / "nasa"
+FILES = sorted(NASA.glob("*.p2dfmt"))
+SQUARE = gg.domain("square", 5, 7)
+SEVERAL = [".xyz", ".p2dfmt", ".vtm"]
+#: Every part of a side, connected and named, of a block with a second one that is turned by a quarter.
+NAMES = {"wall": [(0, "bottom", (0, 2)), (0, "left")], "far field": [(0, "bottom", (2, 4)), (1, "top")]}
+
+
+def turned():
+    """Two blocks, the second of which lies with its bottom at the right of the first; swapped in the file."""
+    right = np.array(SQUARE.planes)
+    right[0] += 1
+    second = np.ascontiguousarray(right.transpose(0, 2, 1)[:, ::-1])
+    return gg.MultiBlock({"a": SQUARE, "b": gg.Grid.from_planes(*second)}, boundaries=NAMES)
+
+
+def cascade():
+    """A passage that is periodic, in part, and turned."""
+    bonds = [gg.Connection((0, "top", (1, 3)), (0, "bottom", (1, 3)), translation=(0, -1.0))]
+    return gg.MultiBlock([SQUARE], bonds)
+
+
+def sector():
+    return gg.MultiBlock(
+        [ring(np.linspace(0, 2 * np.pi / 7, 5), 1.0, 3.0, 9)],
+        [gg.Connection((0, "left"), (0, "right"), rotation=-360 / 7)],
+    )
+
+
+LAYOUTS = {
+    "turned": turned,
+    "cascade": cascade,
+    "sector": sector,
+    "ring": lambda: gg.MultiBlock([ring(np.linspace(0, 2 * np.pi, 25), 1.0, 2.0, 5)]),
+    "pipe": lambda: butterfly(4, 3),
+    "cut": lambda: cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 2, 8)),
+}
+
+
+def assert_same(one, other):
+    assert one.names == other.names
+    assert [list(grid.planes.ravel()) for grid in one.blocks] == [list(grid.planes.ravel()) for grid in other.blocks]
+    assert one.bonds == other.bonds
+    assert one.boundaries == other.boundaries
+
+
+@pytest.mark.parametrize("suffix", SEVERAL)
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_what_is_written_is_read(tmp_path, name, suffix):
+    layout, path = LAYOUTS[name](), tmp_path / f"file{suffix}"
+    layout.write(path)
+    assert_same(gg.read(path, layout=True), layout)
+    assert (gg.read(path) == layout.blocks[0]) if len(layout) == 1 else isinstance(gg.read(path), gg.MultiBlock)
+    layout.write(path)  # Over the first.
+    assert_same(gg.read(path, layout=True), layout)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(
+        {"file.nmf", path.name, *(["file"] * (suffix == ".vtm"))}
+    )
+
+
+@pytest.mark.parametrize("suffix", [".vts", ".csv", ".npz"])
+def test_one_block_with_its_connections_goes_to_every_format(tmp_path, suffix):
+    layout = LAYOUTS["ring"]()
+    layout.write(tmp_path / f"ring{suffix}")
+    assert_same(gg.read(tmp_path / f"ring{suffix}", layout=True), layout)
+    with pytest.raises(gg.GridgenError, match=r"holds one block, and here are 2; use one of \.xyz, \.p2dfmt, \.vtm"):
+        turned().write(tmp_path / f"two{suffix}")
+    assert not (tmp_path / "two.nmf").exists()
+
+
+@pytest.mark.parametrize("three", [True, False])
+@pytest.mark.parametrize("lines", ["one", "each", "none"])
+def test_several_blocks_of_other_writers(three, lines):
+    """The sizes stand in one line, or in one for each block, or without lines."""
+    blocks = [gg.domain("swan", 5, 4), gg.domain("wavy", 3, 5), gg.domain("zee", 4, 4)]
+    text = (plot3d.encode if three else plot3d.encode_plane)(*blocks).decode()
+    if lines == "one":
+        head, *sizes = text.splitlines()[:4]
+        text = "\n".join([head, " ".join(sizes), *text.splitlines()[4:]])
+    elif lines == "none":
+        text = " ".join(text.split())
+    assert plot3d.decode(text.encode()) == blocks
+    with pytest.raises(gg.GridgenError, match="do not fit its header"):
+        plot3d.decode(text.encode().rstrip().rpartition(b"\n" if b"\n" in text.encode() else b" ")[0])
+
+
+def test_faults_of_several_blocks_are_told():
+    blocks = [SQUARE, SQUARE]
+    with pytest.raises(gg.GridgenError, match="block 2: it is a surface in space"):
+        plot3d.decode(plot3d.encode(*blocks)[:-2] + b"1\n")
+    lines = plot3d.encode(*blocks).decode().splitlines()
+    wrong = "\n".join([*lines[:8], "x", *lines[9:]]).encode()
+    with pytest.raises(gg.GridgenError, match="line 9: could not convert string to float: 'x'"):
+        plot3d.decode(wrong)
+
+
+def test_without_a_map_coinciding_nodes_are_connected(tmp_path):
+    layout = LAYOUTS["cut"]()
+    (tmp_path / "cut.xyz").write_bytes(plot3d.encode(*layout.blocks))
+    found = gg.read(tmp_path / "cut.xyz")
+    assert found.bonds == layout.bonds
+    (tmp_path / "three.xyz").write_bytes(plot3d.encode(SQUARE, SQUARE, SQUARE))
+    with pytest.raises(gg.GridgenError, match=r"cannot connect the blocks of .*three\.xyz: .* edges of sides lie at"):
+        gg.read(tmp_path / "three.xyz")
+
+
+@pytest.mark.skipif(not FILES, reason=NO_SHARED.format("nasa"))
+def test_there_are_files_of_nasa():
+    assert len(FILES) >= 5
+
+
+def tiered(path):
+    """The larger files are in the slow tier."""
+    marks = [] if path.stem in ("shear_4levelsdown", "n0012_113-33") else [pytest.mark.slow]
+    return pytest.param(path, id=path.stem, marks=marks)
+
+
+@pytest.mark.parametrize("path", [tiered(path) for path in FILES])
+def test_grids_of_nasa_are_read_smoothed_and_written(tmp_path, path):
+    layout = gg.read(path, layout=True)
+    assert layout.boundaries["viscous_solid"]
+    found = gg.optimize(layout, "winslow", max_iterations=2)
+    assert found.quality.valid
+    assert found.energy < gg.energy(layout, "winslow")
+    found.grid.write(tmp_path / path.name)
+    assert_same(gg.read(tmp_path / path.name, layout=True), found.grid)
+
+
+@pytest.mark.skipif(not FILES, reason=NO_SHARED.format("nasa"))
+def test_a_map_keeps_apart_what_coincides():
+    """The two sides of a plate without thickness are walls of two blocks."""
+    layout = gg.read(NASA / "shear_4levelsdown.p2dfmt")
+    connected = [(bond.one.block, bond.one.side, bond.other.block) for bond in layout.bonds]
+    assert connected == [(0, "right", 2), (1, "right", 2)]
+    walls = {(part.block, part.side) for part in layout.boundaries["viscous_solid"]}
+    assert walls == {(0, "top"), (1, "bottom")}
+    assert len(gg.MultiBlock(layout.blocks).bonds) == 3
+    found = gg.optimize(layout, "winslow", max_iterations=2).grid
+    assert np.array_equal(found[0].planes[:, :, -1], layout[0].planes[:, :, -1])
+    assert not np.array_equal(found[0].planes[:, -1], layout[0].planes[:, -1])
+
+
+@pytest.mark.skipif(not FILES, reason=NO_SHARED.format("nasa"))
+def test_a_file_of_one_block_is_one_grid_unless_a_layout_is_wanted():
+    path = NASA / "n0012_113-33.p2dfmt"
+    assert isinstance(gg.read(path), gg.Grid)
+    layout = gg.read(path, layout=True)
+    (bond,) = layout.bonds
+    assert (bond.one.first, bond.one.last, bond.other.first, bond.other.last) == (0, 24, 88, 112)
+    assert [(part.side, part.first, part.last) for part in layout.boundaries["viscous_solid"]] == [("bottom", 24, 88)]
+
+
+MAP = """\
+# a comment
+2 \\
+
+1  2  5  7
+2  2  7  5
+'symmetry_y_strong' 1 3  1 5  1 7
+"the wall"  1 1  1 2  5 1   # backwards, which does not matter
+farfield_riem  2 2  1 2  1 7
+'one-to-one' 1 6  1 7  1 2   2 1  1 2  7 1  true \\
+'ONE_TO_ONE' 1 3  1 5  1 7   1 4  1 5  1 7  .false.
+"""
+
+
+def read_with(tmp_path, text):
+    right = np.array(SQUARE.planes)
+    right[0] += 1
+    second = gg.Grid.from_planes(*np.ascontiguousarray(right.transpose(0, 2, 1)[:, ::-1]))
+    (tmp_path / "two.p2dfmt").write_bytes(plot3d.encode_plane(SQUARE, second))
+    (tmp_path / "two.nmf").write_text(text)
+    return gg.read(tmp_path / "two.p2dfmt")
+
+
+def test_maps_as_other_programs_write_them(tmp_path):
+    found = read_with(tmp_path, MAP)
+    assert found.bonds == turned().bonds
+    assert {name: [(p.block, p.side, p.first, p.last) for p in parts] for name, parts in found.boundaries.items()} == {
+        "the wall": [(0, "bottom", 0, 4)],
+        "farfield_riem": [(1, "top", 0, 6)],
+    }
+
+
+def test_maps_in_other_directions(tmp_path):
+    """The plane may be that of i and j, of i and k, or of j and k; Construct2D counts the sides of a plane."""
+    expected = turned().bonds
+    for text in (
+        "2\n1 5 7 2\n2 7 5 2\none-to-one 1 4 1 7 1 2  2 5 1 2 7 1 true\nwall 1 5 1 2 1 3",
+        "2\n1 5 7 1\n2 7 5 1\none-to-one 1 4 1 7 1 1  2 5 1 1 7 1 true\nwall 1 5 1 1 1 3",
+        "2\n1 5 1 7\n2 7 1 5\none-to-one 1 4 1 1 1 7  2 1 7 1 1 1 true\nwall 1 1 1 3 1 1",
+        "2\n1 5 7 1\n2 7 5 1\nONE_TO_ONE 1 2 1 7 1 1  2 3 7 1 1 1 FALSE\nwall 1 3 1 3 1 1",
+    ):
+        found = read_with(tmp_path, text)
+        assert found.bonds == expected
+        assert [(p.block, p.side, p.first, p.last) for p in found.boundaries["wall"]] == [(0, "bottom", 0, 2)]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("2 \\\n", "3\n", "line 2: expected 2, the number of blocks of the grid file; came 3"),
+        ("2 \\\n", "two\n", "line 2: expected the number of blocks; came 'two'"),
+        ("1  2  5  7", "1  2  5  8", "line 4: expected 1 and the sizes of block 1, 5 x 7 nodes .* came 1 2 5 8"),
+        ("2  2  7  5", "3  2  7  5", "line 5: expected 2 and the sizes of block 2, 7 x 5 nodes .* came 3 2 7 5"),
+        ("2 2  1 2  1 7", "2 7  1 2  1 7", "line 8: expected a face from 1 to 6; came 7"),
+        ("2 2  1 2  1 7", "3 2  1 2  1 7", "line 8: expected a block from 1 to 2; came 3"),
+        ("2 2  1 2  1 7", "2 2  1 2  1 8", "line 8: expected two different nodes of face 2 of block 2, from 1 to"),
+        ("2 2  1 2  1 7", "2 2  1 2  0 7", "came 0 to 7"),
+        ("2 2  1 2  1 7", "2 2  1 1  1 7", "line 8: expected face 2 of block 2 in its whole depth, from 1 to 2; came"),
+        ("2 2  1 2  1 7", "2 2  1 2  1", "line 8: expected the name of a boundary and 6 numbers: block, face, S1"),
+        ("2 2  1 2  1 7", "2 2  1 2  a b", "line 8: expected the name of .* and 6 numbers.* came '2 2 1 2 a b'"),
+        ("2 2  1 2  1 7", "2 1  1 2  1 7", "line 8: bottom of block 1, nodes 0 to 6 cannot be the boundary"),
+        ("true", "false", "line 9: expected swap true, since the ranges along the sides are one the first and one the"),
+        ("true", "perhaps", "line 9: expected one-to-one, twice block, face, S1, E1, S2, E2, and whether they swap"),
+        ("1 2  7 1", "1 2  1 7", "line 9: right and bottom of two blocks .* run in opposite directions; came the same"),
+        ("1 2  7 1", "1 2  6 1", "line 9: expected as many nodes on either side; came 7 and 6"),
+        ("2 1  1 2  7 1", "2 2  1 2  1 7", r"line 9: connected nodes must be at one place, but node .* of block 1"),
+        ("1 4  1 5", "1 5  1 5", "line 10: expected face 5 of block 1 in its whole depth"),
+        ("# a comment\n", "# gridgen-sym: block 3 is named \"x\"\n", "line 1: expected a block from 1 to 2"),
+        (MAP, "# nothing", "it has no lines but comments"),
+        (MAP, "2\n1 2 5 7\n", "line 2: the file ends after it; expected a line with the sizes of each of 2 blocks"),
+    ],
+)  # fmt: skip
+def test_faults_of_maps_are_told_with_their_lines(tmp_path, old, new, told):
+    assert old in MAP
+    with pytest.raises(gg.GridgenError, match=r"cannot read .*two\.nmf as a neutral map file: (?s:.*)" + told):
+        read_with(tmp_path, MAP.replace(old, new))
+
+
+@pytest.mark.parametrize("name", ["", "a\nb", 'it\'s "both"', "One_To_One"])
+def test_names_that_a_map_cannot_hold_are_told_before_anything_is_written(tmp_path, name):
+    layout = gg.MultiBlock([SQUARE], boundaries={name: [(0, "bottom")]})
+    with pytest.raises(gg.GridgenError, match="cannot hold the boundary name"):
+        layout.write(tmp_path / "grid.p2dfmt")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_with_other_files_is_not_replaced(tmp_path):
+    layout, folder = turned(), tmp_path / "two"
+    folder.mkdir()
+    (folder / "notes.txt").write_text("mine")
+    with pytest.raises(gg.GridgenError, match=r"it also holds 'notes\.txt'"):
+        layout.write(tmp_path / "two.vtm")
+    assert (folder / "notes.txt").read_text() == "mine"
+    assert [p.name for p in tmp_path.iterdir()] == ["two"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("vtkMultiBlockDataSet", "StructuredGrid", "expected a VTKFile of type vtkMultiBlockDataSet"),
+        ("block_1.vts", "block_1.vtu", r"its block 1 is in the file 'two/block_1\.vtu'; expected a structured grid"),
+        ("block_1.vts", "block_7.vts", r"cannot read .*block_7\.vts: there is no such file"),
+        ('name="b"', 'name="a"', "two of its blocks have the name 'a'"),
+        ("DataSet index", "Other index", "it has no blocks"),
+    ],
+)
+def test_faults_of_multi_block_files_of_vtk_are_told(tmp_path, old, new, told):
+    turned().write(tmp_path / "two.vtm")
+    text = (tmp_path / "two.vtm").read_text()
+    assert old in text
+    (tmp_path / "two.vtm").write_text(text.replace(old, new))
+    with pytest.raises(gg.GridgenError, match=told):
+        gg.read(tmp_path / "two.vtm")
+
+
+def test_what_is_no_grid_cannot_be_written(tmp_path):
+    with pytest.raises(gg.GridgenError, match="expected a Grid, came ndarray"):
+        gg.write(SQUARE.xy, tmp_path / "x.xyz")
