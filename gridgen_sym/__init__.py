@@ -98,6 +98,8 @@ if TYPE_CHECKING:
     from .topology import LayoutQuality as LayoutQuality
     from .topology import MultiBlock as MultiBlock
     from .topology import quality as quality
+    from .topology.shapes import layout as layout
+    from .topology.shapes import layout_names as layout_names
 
 #: The packages of the public names that are loaded when they are used.
 _PACKAGES = {
@@ -113,6 +115,7 @@ _PACKAGES = {
     "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians transfinite",
     "plotting": "plot_certificates plot_grid plot_grids",
     "topology": "Connection LayoutQuality MultiBlock quality",
+    "topology.shapes": "layout layout_names",
     "solvers": (
         "ContinuationResult LayoutResult Result Status Step StopReason airfoil_grid continuation energy gradient "
         "hessian optimize solve_euler_lagrange untangle"

@@ -52,3 +52,20 @@ def butterfly(cells, around):
         nodes = (arc[:, None] * (1 - t)[:, None] + edge[:, None] * t[:, None]) @ turn.T
         blocks[name] = gg.Grid(nodes)
     return gg.MultiBlock(blocks)
+
+
+def valences(layout):
+    """How many cells meet at each node, for each block (ni, nj); all copies of a node alike."""
+    found = []
+    for grid in layout.blocks:
+        cells = np.zeros(grid.shape, dtype=int)
+        for i, j in itertools.product((slice(None, -1), slice(1, None)), repeat=2):
+            cells[i, j] += 1
+        found.append(cells)
+    copies = layout.copies
+    entries = list(zip(copies.block, copies.i, copies.j, strict=True))
+    for begin, end in itertools.pairwise([*copies.starts, len(entries)]):
+        total = sum(found[b][i, j] for b, i, j in entries[begin:end])
+        for b, i, j in entries[begin:end]:
+            found[b][i, j] = total
+    return found

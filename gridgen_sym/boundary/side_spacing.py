@@ -56,13 +56,14 @@ def spaced(line: Array, count: int, spacing: SideSpacing) -> Array:
         GridgenError: for what is none of these, or lengths that have no place on the side.
     """
     arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
-    fractions = _fractions(spacing, float(arc[-1]), count)
+    fractions = fractions_of(spacing, float(arc[-1]), count)
     nodes = np.stack([np.interp(fractions * arc[-1], arc, line[:, axis]) for axis in (0, 1)], axis=-1)
     nodes[0], nodes[-1] = line[0], line[-1]
     return nodes
 
 
-def _fractions(spacing: SideSpacing, length: float, count: int) -> Array:
+def fractions_of(spacing: SideSpacing, length: float, count: int) -> Array:
+    """Return the fractions of a side's length at its nodes, (count,); see `spaced`."""
     if isinstance(spacing, str):
         return _law(spacing, length, count - 1)
     given = real_array(spacing, "the spacing of a side")

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 import os
-from typing import get_args
 
-import numpy as np
 import numpy.typing as npt
 
+from ..boundary.airfoil_boundary import airfoil_boundary
 from ..boundary.airfoil_section import AirfoilSection
-from ..boundary.airfoil_sides import Kind, airfoil_sides
+from ..boundary.airfoil_sides import Kind
 from ..boundary.wall import Wall
-from ..errors import GridgenError, quoted
 from ..grids import transfinite
 from .optimize import optimize
 from .run.progress import Callback
 from .run.result import Result
-
-#: The cells at the leading and the trailing edge are shorter than the mean one by these factors.
-_LEADING, _TRAILING = 8.0, 6.0
-#: Cells on each half of a blunt trailing edge.
-_EDGE = 4
 
 
 def airfoil_grid(
@@ -69,29 +62,17 @@ def airfoil_grid(
     Raises:
         GridgenError: for a file that is no section, or numbers that have no place.
     """
-    if kind not in get_args(Kind):
-        raise GridgenError(f"kind of an airfoil's grid must be 'C' or 'O'; came {quoted(kind)}")
-    around, outwards = _counts(cells)
-    if not isinstance(wake, int) or wake < 3:
-        raise GridgenError(f"wake must be at least 3 cells; came {quoted(wake)}")
-    shape = AirfoilSection.of(section, blunt=blunt)
-    chord = shape.chord
-    if not 1 < far < np.inf:
-        raise GridgenError(f"far must be more than 1 chord; came {quoted(far)}")
     Wall(first, growth)  # Refuses what is no height or no factor.
-    if not float(first) < chord / outwards:
-        raise GridgenError(f"first must be less than a chord over the {outwards} cells outwards; came {quoted(first)}")
-    mean = 2 / around
-    boundary = airfoil_sides(
-        shape,
+    boundary = airfoil_boundary(
+        section,
         kind,
-        cells=(around, outwards),
+        first=first,
+        far=far,
+        cells=cells,
         wake=wake,
-        edge=_EDGE,
-        first=float(first),
-        far=far * chord,
-        leading=chord * _part(leading, mean / _LEADING, mean, "leading"),
-        trailing=chord * _part(trailing, mean / _TRAILING, mean, "trailing"),
+        leading=leading,
+        trailing=trailing,
+        blunt=blunt,
     )
     bottom, right, top, left = boundary.sides
     wall = Wall(first, growth, nodes=boundary.wall)
@@ -104,27 +85,3 @@ def airfoil_grid(
         progress=progress,
         backend=backend,
     )
-
-
-def _counts(cells: object) -> tuple[int, int]:
-    if (
-        isinstance(cells, tuple)
-        and len(cells) == 2
-        and all(isinstance(count, int) for count in cells)
-        and cells[0] >= 16
-        and cells[0] % 2 == 0
-        and cells[1] >= 4
-    ):
-        return cells
-    raise GridgenError(
-        f"cells must be two numbers: an even one of at least 16 on the airfoil, and at least 4 outwards; came "
-        f"{quoted(cells)}"
-    )
-
-
-def _part(given: float | None, default: float, mean: float, name: str) -> float:
-    if given is None:
-        return default
-    if not 0 < given < mean:
-        raise GridgenError(f"{name} must be between 0 and the mean length of cells, {mean:.3g} chords; came {given}")
-    return given
