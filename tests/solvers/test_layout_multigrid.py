@@ -68,6 +68,25 @@ def test_the_number_of_steps_does_not_grow_with_the_grid():
     assert steps[1] <= steps[0] + 3 <= 14
 
 
+@pytest.mark.parametrize(("growth", "most"), [(1.0, 8), (1.2, 20), (1.3, 25)])
+def test_thin_cells_on_both_sides_of_a_connection(growth, most):
+    """Heights down to 1e-4 of the length: a node there moves with the columns of cells on both sides."""
+    x, y = np.linspace(0, 1, 33), np.concatenate(([0], np.cumsum(growth ** np.arange(32))))
+    y = (0.01 if growth == 1 else 1.0) * y / y[-1]
+    blocks = [gg.Grid.from_planes(*np.meshgrid(x, one, indexing="ij")) for one in (y, -y[::-1])]
+    layout = gg.MultiBlock(blocks)
+    problem = make_layout_problem(layout, "winslow", target=layout)
+    place = problem.exchange.join([block.planes for block in layout.blocks])
+    hessian = problem.hessian(place, semidefinite=True)
+    right = problem.exchange.of_first_copies(np.random.default_rng(0).normal(size=place.shape))
+    right[problem._held] = 0.0
+    solver = LayoutMultigrid(problem.exchange, problem.copies, problem.fixed, problem.bonds)
+    assert solver.set_operator(hessian)
+    found = solver.solve(right, 1e-6)
+    assert found.positive
+    assert found.iterations <= most
+
+
 def test_any_number_of_threads_gives_the_same_bits(monkeypatch):
     vectors = []
     for threads in ("1", "2", "3"):

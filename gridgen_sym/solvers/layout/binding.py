@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from ...arrays import Mask
 from ...errors import GridgenError, quoted
-from ...fields.target import Target
 from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
 from ...grids import Grid
@@ -27,7 +26,7 @@ def make_layout_problem(
     *,
     weight: Weight | Source | Mapping[str, object] | None = None,
     fields: Mapping[str, object] | None = None,
-    target: Target | Grid | MultiBlock | Mapping[str, object] | None = None,
+    target: object = None,
     fixed: Mapping[str, npt.ArrayLike] | None = None,
     parameters: Mapping[str, float] | None = None,
     rectangles: Sequence[LogicalRectangle] | None = None,
@@ -57,7 +56,7 @@ def make_layout_problem(
     """
     made = rectangles or logical_rectangles(layout, spacing)
     if isinstance(target, MultiBlock):
-        target = _reference(layout, target)
+        target = blocks_of(layout, target)
     held = _masks(layout, fixed)
     problems = []
     for number, (name, grid) in enumerate(zip(layout.names, layout.blocks, strict=True)):
@@ -97,6 +96,18 @@ def logical_rectangles(layout: MultiBlock, spacing: Spacing) -> list[LogicalRect
     return [LogicalRectangle.of(spacing, grid.shape) for grid in layout.blocks]
 
 
+def blocks_of(layout: MultiBlock, reference: MultiBlock) -> dict[str, Grid]:
+    """Return the blocks of a reference by the names of a layout.
+
+    Raises:
+        GridgenError: if they have other shapes.
+    """
+    shapes, came = ([grid.shape for grid in one.blocks] for one in (layout, reference))
+    if shapes != came:
+        raise GridgenError(f"a reference must have blocks of the shapes {shapes}; came {came}")
+    return dict(zip(layout.names, reference.blocks, strict=True))
+
+
 def _of_block(given: Any, layout: MultiBlock, name: str) -> Any:  # noqa: ANN401
     """Return what is given for a block."""
     if not isinstance(given, Mapping):
@@ -106,13 +117,6 @@ def _of_block(given: Any, layout: MultiBlock, name: str) -> Any:  # noqa: ANN401
             f"values by block need one for each of {', '.join(layout.names)}; came {quoted(sorted(map(str, given)))}"
         )
     return given[name]
-
-
-def _reference(layout: MultiBlock, target: MultiBlock) -> dict[str, Grid]:
-    shapes, came = ([grid.shape for grid in one.blocks] for one in (layout, target))
-    if shapes != came:
-        raise GridgenError(f"a reference must have blocks of the shapes {shapes}; came {came}")
-    return dict(zip(layout.names, target.blocks, strict=True))
 
 
 def _masks(layout: MultiBlock, fixed: Mapping[str, npt.ArrayLike] | None) -> list[Mask]:

@@ -80,6 +80,13 @@ class Exchange:
         self.copy_first(same)
         return same
 
+    def spread_least(self, field: Array) -> None:
+        """Give every copy the least numbers that any copy of its node has, in place."""
+        parts = field[self._places]
+        if parts.size:
+            least = np.minimum.reduceat(parts, self._copies.starts, axis=1)
+            field[self._places] = np.repeat(least, self._copies.counts, axis=1)
+
     def copy_first(self, field: Array) -> None:
         """Give every copy the vector of the first one, in place."""
         self.spread(field[self._places[:, self._copies.starts]], field)

@@ -31,6 +31,16 @@ class _Shared(ctypes.Structure):
     )
 
 
+class _Crossing(ctypes.Structure):
+    """Shared nodes that move with the lines across a connection, as `crossing_lines.c` declares them."""
+
+    _fields_ = (
+        ("count", ctypes.c_int64),
+        ("most", ctypes.c_int64),
+        *((name, ctypes.c_void_p) for name in ("node", "inverse", "line", "along")),
+    )
+
+
 class BlockLevel:
     """One level of all blocks.
 
@@ -41,6 +51,7 @@ class BlockLevel:
         structures, relaxed: the blocks as compiled code sees them, with all rows that have unknowns, and with the inner
             ones only, whose lines are relaxed.
         shared: the shared nodes as compiled code sees them.
+        crossing: those of them that move with the lines across a connection.
         threads: that work on it.
         memory: the right-hand sides, solutions and residuals of all blocks, with their margins, in one array each.
     """
@@ -85,6 +96,22 @@ class BlockLevel:
         pointers = (array.ctypes.data for array in arrays)
         self.shared = _Shared(len(nodes), *pointers)
 
+        self._along = np.zeros((0, 4), dtype=np.float32)
+        self._crossing_numbers = np.zeros(len(nodes), np.int64), np.zeros(len(entries), np.int64)
+        self._crossing_inverse = np.zeros((len(nodes), 3), np.float32)
+        self.crossing = _Crossing()
+
+    def find_crossing(self) -> None:
+        """Find the shared nodes where cells are thin across a connection."""
+        while True:
+            node, line = self._crossing_numbers
+            arrays: list[npt.NDArray[Any]] = [node, self._crossing_inverse, line, self._along]
+            self.crossing = _Crossing(0, len(self._along), *(array.ctypes.data for array in arrays))
+            arguments = self.structures, ctypes.byref(self.shared), ctypes.byref(self.crossing)
+            if self.library.find_crossing(*arguments) >= 0:
+                return
+            self._along = np.zeros((max(4 * len(self._along), 4096), 4), dtype=np.float32)
+
     def take(self, planes: Sequence[Array], factor: float) -> None:
         """Take the finest operators: planes (19, ni, nj) times a factor."""
         for level, block in zip(self.structures, planes, strict=True):
@@ -106,6 +133,7 @@ class BlockLevel:
         if unusable or not ((xx > 0) & (determinant > 1e-7 * xx * yy)).all():
             return False
         self._inverse[:] = (np.stack((yy, -xy, xx)) / determinant).T
+        self.find_crossing()
         return True
 
     def clear(self) -> None:

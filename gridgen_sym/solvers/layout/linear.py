@@ -11,7 +11,11 @@ from ...arrays import Array, Mask
 from ...topology.copies import Bond, Copies
 from ..linear.solution import LinearSolver, Solution
 from .exchange import Exchange
+from .multigrid import LayoutMultigrid
 from .sparse import LayoutMatrix
+
+#: So many steps of conjugate gradients are a failure, and so many numbers can be factorized in some seconds.
+_MANY, _LARGEST = 40, 800_000
 
 
 class LayoutDirectSolver:
@@ -45,12 +49,43 @@ class LayoutDirectSolver:
         return Solution(field, 0, 0.0, positive)
 
 
+class LayoutIterativeSolver:
+    """Multigrid, and where it fails at very thin cells across connections a factorization from then on.
+
+    Columns of thin cells move with a node on a connection, held by couplings that are smaller than the largest ones by
+    the square of the aspect ratio: beyond some thousands single precision does not resolve them.
+    """
+
+    def __init__(self, multigrid: LayoutMultigrid, direct: LayoutDirectSolver) -> None:
+        """Begin with multigrid."""
+        self._multigrid, self._direct = multigrid, direct
+        self._switched = False
+        self._planes: list[Array] = []
+
+    def set_operator(self, planes: list[Array]) -> bool:
+        """Take the Hessians of the blocks."""
+        self._planes = planes
+        return (self._direct if self._switched else self._multigrid).set_operator(planes)
+
+    def solve(self, right: Array, tolerance: float) -> Solution:
+        """Solve; `right` is consistent, one array of all blocks."""
+        if self._switched:
+            return self._direct.solve(right, tolerance)
+        found = self._multigrid.solve(right, tolerance)
+        if (found.positive and found.iterations < _MANY) or not self._may_switch(right):
+            return found
+        self._switched = self._direct.set_operator(self._planes)
+        return self._direct.solve(right, tolerance) if self._switched else found
+
+    def _may_switch(self, right: Array) -> bool:
+        return right.size <= _LARGEST and self._multigrid.levels[0].crossing.count > 0
+
+
 def layout_solver(
     exchange: Exchange, copies: Copies, fixed: Sequence[Mask], bonds: Sequence[Bond], backend: str
 ) -> LinearSolver:
     """Return the solver for the Hessians of blocks: multigrid where C can be compiled, else direct."""
+    direct = LayoutDirectSolver(exchange, copies, fixed)
     if backend == "c":
-        from .multigrid import LayoutMultigrid
-
-        return LayoutMultigrid(exchange, copies, fixed, bonds)
-    return LayoutDirectSolver(exchange, copies, fixed)
+        return LayoutIterativeSolver(LayoutMultigrid(exchange, copies, fixed, bonds), direct)
+    return direct

@@ -123,13 +123,22 @@ class LayoutMultigrid:
         level.clear()
         library.smooth_blocks(level.relaxed, count, threads, 1)
         library.relax_shared(level.structures, ctypes.byref(level.shared), 0)
+        self._correct_crossing(level)
         library.residual_of_blocks(level.structures, count, threads)
         coarse = self.levels[number + 1]
         library.restrict_blocks(level.structures, coarse.structures, count, threads)
         self._cycle(number + 1)
         library.correct_blocks(coarse.structures, level.structures, count, threads)
+        self._correct_crossing(level)
         library.relax_shared(level.structures, ctypes.byref(level.shared), 1)
         library.smooth_blocks_backwards(level.relaxed, count, threads)
+
+    def _correct_crossing(self, level: BlockLevel) -> None:
+        """Correct shared nodes together with the lines that cross there, where there are such."""
+        if level.crossing.count:
+            self.library.residual_of_blocks(level.structures, len(level.blocks), level.threads)
+            shared, crossing = ctypes.byref(level.shared), ctypes.byref(level.crossing)
+            self.library.correct_crossing(level.structures, shared, crossing)
 
     def _solve_coarsest(self, level: BlockLevel) -> None:
         assert self._coarsest is not None

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
 import numpy.typing as npt
 
 from ...arrays import Array
+from ...boundary.sides import Sides
+from ...boundary.wall import Wall
 from ...errors import GridgenError, quoted
 from ...fields.target import Target
 from ...fields.weight import Source, Weight
@@ -23,16 +26,19 @@ from ..run.deadline import Deadline
 from ..run.progress import Callback, Progress
 from ..run.status import Outcome, Status
 from ..run.stopping import run_to_result
-from .binding import logical_rectangles, make_layout_problem
+from .binding import blocks_of, logical_rectangles, make_layout_problem
 from .nested import NestedLayouts
 from .problem import LayoutProblem
 from .result import LayoutResult
 from .untangle import untangle_blocks
+from .walls import LayoutWalls, corrected_walls, wall_targets, walled_start, walls_of_blocks
 
 #: Factors by which the gradient must fall, as for one block.
 _TOLERANCE, _TO_TARGET, _STEPS = 1e-6, 1e-12, 1000
 #: What made a folded start valid.
 _NESTED, _REGULARIZED = "nested iteration", "regularized barrier at all nodes"
+#: First heights are corrected so often at most, and not where they are wrong by no more than this part.
+_CORRECTIONS, _RIGHT = 3, 2e-3
 _NO_PROGRESS = "untangling made no more progress; this is the least folded grid found."
 
 
@@ -76,6 +82,7 @@ def optimize_layout(
     weight: Weight | Source | Mapping[str, object] | None = None,
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | MultiBlock | Mapping[str, object] | None = None,
+    walls: LayoutWalls | None = None,
     fixed: Mapping[str, npt.ArrayLike] | None = None,
     parameters: Mapping[str, float] | None = None,
     tolerance: float | None = None,
@@ -90,7 +97,7 @@ def optimize_layout(
     """Minimize a functional over a grid of several blocks; see `gridgen_sym.optimize`.
 
     Connected nodes move like inner ones; the outer boundary stays. `fixed`, and values that are given as a mapping from
-    the names of blocks, are for each block.
+    the names of blocks, are for each block; `walls` by block and side, such as `{"a": {"bottom": Wall(first=1e-3)}}`.
 
     Raises:
         GridgenError: for input that cannot be used.
@@ -101,15 +108,21 @@ def optimize_layout(
         tolerance = _TOLERANCE if target is None else _TO_TARGET
     check_controls(tolerance, max_iterations, callback, time_limit)
     definition = find_functional(functional)
+    asked = None if walls is None else walls_of_blocks(grid, walls)
+    if asked is not None and target is not None:
+        raise GridgenError("walls become a target: give walls or a target, not both")
     home, rectangles = [block.shape for block in grid.blocks], logical_rectangles(grid, spacing)
 
-    def make(on: MultiBlock) -> LayoutProblem:
+    if isinstance(target, MultiBlock):
+        target = blocks_of(grid, target)
+
+    def make(on: MultiBlock, target: object = target) -> LayoutProblem:
         return make_layout_problem(
             on,
             definition,
             weight=weight,
             fields=fields,
-            target=target if on is grid or not isinstance(target, MultiBlock) else _blocks_of(target),
+            target=target,
             fixed=fixed if on is grid else None,
             parameters=parameters,
             rectangles=rectangles,
@@ -122,31 +135,57 @@ def optimize_layout(
         problem = make(grid)
         run = _Run(grid, problem, problem.exchange.join([block.planes for block in grid.blocks]), report)
 
-        def solve() -> Outcome:
-            folded = problem.kernels.barrier and not problem.energy(run.coordinates)[1] > 0
-            if limit and not fixed:
-                start = NestedLayouts(make, definition, parameters, report).start(grid, problem)
-                _take(run, start, folded=folded)
+        def minimized() -> Outcome:
+            """Untangle, if necessary, and minimize."""
+            problem = run.problem
             if problem.kernels.barrier and not problem.energy(run.coordinates)[1] > 0:
                 report.begin("untangle", (grid.node_count, 1))
                 if not untangle_blocks(problem, definition, run.coordinates, parameters, report):
                     return Outcome(Status.FOLDED, _NO_PROGRESS)
                 run.untangled_by = _REGULARIZED
             report.begin("minimize", (grid.node_count, 1))
-            return minimize(
-                problem,
-                run.coordinates,
-                report,
-                tolerance=tolerance,
-                max_iterations=limit,
-                keep_valid=keep_valid,
-            )
+            controls = {"tolerance": tolerance, "max_iterations": limit, "keep_valid": keep_valid}
+            return minimize(problem, run.coordinates, report, **controls)  # type: ignore[arg-type]
+
+        def solve() -> Outcome:
+            if asked is not None and limit:
+                run.coordinates = problem.exchange.join(
+                    [block.planes for block in walled_start(grid, asked, backend, report).blocks]
+                )
+                return _with_walls(run, asked, lambda targets: make(grid, targets), minimized)
+            folded = problem.kernels.barrier and not problem.energy(run.coordinates)[1] > 0
+            if limit and not fixed:
+                start = NestedLayouts(make, definition, parameters, report).start(grid, problem)
+                _take(run, start, folded=folded)
+            return minimized()
 
         return run_to_result(solve, run.result, report)
 
 
-def _blocks_of(target: MultiBlock) -> dict[str, Grid]:
-    return dict(zip(target.names, target.blocks, strict=True))
+def _with_walls(
+    run: _Run,
+    asked: Mapping[str, Sides[Wall | None]],
+    make: Callable[[dict[str, Target]], LayoutProblem],
+    minimized: Callable[[], Outcome],
+) -> Outcome:
+    """Minimize for the targets of walls, and for others that make up for first heights that came out wrong."""
+    walls, least, outcome = dict(asked), np.inf, None
+    for _ in range(1 + _CORRECTIONS):
+        before, problem = run.coordinates.copy(), run.problem
+        run.problem = make(wall_targets(run.layout, walls))
+        run.problem.measure_locally(run.coordinates)
+        found = minimized()
+        if outcome is not None and not found.converged:
+            run.coordinates, run.problem = before, problem
+            break
+        outcome = found
+        places = dict(zip(run.layout.names, run.problem.exchange.views(run.coordinates), strict=True))
+        walls, wrong = corrected_walls(walls, asked, places)
+        if not found.converged or wrong < _RIGHT or wrong > 0.7 * least:
+            break
+        least = wrong
+    assert outcome is not None
+    return outcome
 
 
 def _take(run: _Run, start: Array, *, folded: bool) -> None:

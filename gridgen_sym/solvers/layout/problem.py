@@ -12,7 +12,7 @@ from ...runtime import KernelSet
 from ...topology.copies import Bond, Copies
 from ..folds import Folds
 from ..linear.solution import LinearSolver
-from ..norms import mean_edge_length
+from ..norms import mean_edge_length, shortest_edges
 from ..problem import Problem
 from .exchange import Exchange
 from .linear import layout_solver
@@ -33,6 +33,7 @@ class LayoutProblem:
         """Join the problems of blocks."""
         self.blocks, self.copies, self.fixed, self.bonds = tuple(blocks), copies, tuple(fixed), tuple(bonds)
         self.exchange = Exchange(copies, [mask.shape for mask in self.fixed])
+        self._lengths: Array | None = None
         self._held = self.exchange.join([np.stack((mask, mask)) for mask in self.fixed]) != 0
 
     @property
@@ -104,13 +105,23 @@ class LayoutProblem:
         return self.exchange.inner(first, second)
 
     def norm(self, gradient: Array) -> float:
-        """Return the norm of a consistent field."""
-        return float(np.sqrt(max(self.inner(gradient, gradient), 0.0)))
+        """Return the norm of a consistent field, in local lengths where gradients are measured so."""
+        measured = gradient if self._lengths is None else gradient * self._lengths
+        return float(np.sqrt(max(self.inner(measured, measured), 0.0)))
+
+    def measure_locally(self, coordinates: Array) -> None:
+        """Measure gradients from now on in the lengths of the shortest edges that meet at each node; see `Problem`."""
+        views = self.exchange.views(coordinates)
+        self._lengths = self.exchange.join([np.stack([shortest_edges(place)] * 2) for place in views])
+        self.exchange.spread_least(self._lengths)
 
     def gradient_scale(self, coordinates: Array, energy: float) -> float:
         """Return the norm that the gradient of this energy has on a grid far from its minimum; see `Problem`."""
-        spacing = np.mean([mean_edge_length(place) for place in self.exchange.views(coordinates)])
+        spacing = self._spacing(coordinates) if self._lengths is None else 1.0
         return abs(energy) / float(spacing * np.sqrt(coordinates.size / 2)) if spacing > 0 else 0.0
+
+    def _spacing(self, coordinates: Array) -> float:
+        return float(np.mean([mean_edge_length(place) for place in self.exchange.views(coordinates)]))
 
     def mean_jacobian(self, coordinates: Array) -> float:
         """Return the mean of the absolute Jacobians of the corners."""
@@ -120,9 +131,11 @@ class LayoutProblem:
     def round_off(self, coordinates: Array, gradient: Array) -> float:
         """Return the norm below which the gradient cannot be distinguished from zero; see `Problem`."""
         size = float(np.abs(coordinates).max())
-        spacing = float(np.mean([mean_edge_length(place) for place in self.exchange.views(coordinates)]))
-        little, random = 1e-4 * spacing, np.random.default_rng(0)
+        random, local = np.random.default_rng(0), self._lengths is not None
+        little = 1e-4 if local else 1e-4 * self._spacing(coordinates)
         moved = random.choice((-little, little), coordinates.shape)
+        if self._lengths is not None:
+            moved *= self._lengths
         moved = self.exchange.of_first_copies(moved)  # Copies move alike.
         moved += coordinates
         try:
@@ -132,6 +145,9 @@ class LayoutProblem:
         finally:
             self.refresh(coordinates)
         there -= gradient
+        if self._lengths is not None:
+            size = 1.0
+            there *= np.abs(coordinates) / self._lengths
         change, eps = self.norm(there), float(np.finfo(float).eps)
         summed = 10 * eps * self.gradient_scale(coordinates, 1.0) * abs(energy) if np.isfinite(energy) else 0.0
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)

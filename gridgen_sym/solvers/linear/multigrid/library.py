@@ -15,7 +15,7 @@ _LEVELS, _KRYLOV = ("operators", "lines", "cycle"), ("v_cycle", "products", "vec
 _PARTS = {
     "symmetric": ("level", "symmetric", *_LEVELS, *_KRYLOV, "conjugate_gradients"),
     "general": ("level", "general", *_LEVELS, *_KRYLOV, "bicgstab"),
-    "blocks": ("level", "symmetric", *_LEVELS, "products", "blocks"),
+    "blocks": ("level", "symmetric", *_LEVELS, "products", "blocks", "crossing_lines"),
 }
 
 
@@ -56,6 +56,8 @@ _OWN: dict[Stencil, dict[str, tuple[list[Any], Any]]] = {
         "restrict_blocks": ([_POINTER, _POINTER, _INTEGER, _INTEGER], None),
         "correct_blocks": ([_POINTER, _POINTER, _INTEGER, _INTEGER], None),
         "relax_shared": ([_POINTER, _POINTER, _INTEGER], None),
+        "find_crossing": ([_POINTER] * 3, _INTEGER),
+        "correct_crossing": ([_POINTER] * 3, None),
         "sum_shared": ([_POINTER] * 3, None),
         "multiply_blocks": ([_POINTER, _INTEGER, _INTEGER, *[_POINTER] * 5], _NUMBER),
         "step_vectors": ([_INTEGER, _INTEGER, _NUMBER, *[_POINTER] * 5, _NUMBER], _NUMBER),

@@ -1,0 +1,114 @@
+"""Walls in a grid of several blocks: the cells that they ask for, and a start that has them.
+
+A block with walls is solved by itself first, with its sides as they are; then all blocks are one grid, and nodes on
+connections move. Cells of blocks without a wall are asked to stay as long and wide as they are at the start, with right
+angles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...boundary.sides import Sides
+from ...boundary.wall import Wall, check_heights, walls_by_side
+from ...errors import GridgenError, quoted
+from ...fields.target import Target
+from ...fields.wall_cells import WallCells, corrected, own_cells, wall_cells
+from ...topology import MultiBlock
+from ..multilevel.wall_continuation import WallContinuation
+from ..run.progress import Progress
+
+#: Walls as they are given: for each block by name; or of the sides of the only block.
+LayoutWalls = Mapping[str, Mapping[str, Wall]] | Mapping[str, Wall]
+
+
+def walls_of_blocks(layout: MultiBlock, walls: LayoutWalls) -> dict[str, Sides[Wall | None]]:
+    """Return the walls of every block that has some, checked.
+
+    Raises:
+        GridgenError: for an unknown block or side, walls on a connection, or heights that a block has no room for.
+    """
+    given: Any = walls
+    if len(layout) == 1 and isinstance(given, Mapping) and any(isinstance(wall, Wall) for wall in given.values()):
+        given = {layout.names[0]: given}
+    if not isinstance(given, Mapping) or not all(isinstance(of_block, Mapping) for of_block in given.values()):
+        raise GridgenError(
+            "walls of several blocks are given by block and side, such as {'a': {'bottom': gg.Wall(first=1e-3)}}; came "
+            f"{quoted(walls)}"
+        )
+    found = {}
+    for name, of_block in given.items():
+        grid = layout[name]
+        found[name] = walls_by_side(of_block)
+        check_heights(found[name], grid)
+        for side, wall in zip(Sides._fields, found[name], strict=True):
+            if wall is not None:
+                _check_outer(layout, name, side, wall)
+    return found
+
+
+def _check_outer(layout: MultiBlock, name: str, side: str, wall: Wall) -> None:
+    """Refuse a wall on a connection."""
+    number = layout.names.index(name)
+    count = layout.blocks[number].shape[0 if side in ("bottom", "top") else 1]
+    first, last = (0, count - 1) if wall.nodes is None else (wall.nodes[0], wall.nodes[1] - 1)
+    for bond in layout.bonds:
+        for part in (bond.one, bond.other):
+            if (part.block, part.side) == (number, side) and part.first < last and first < part.last:
+                raise GridgenError(
+                    f"the wall at {side} of block {name} lies on a connection, {part.described(layout.names)}: give "
+                    "the nodes of the wall, Wall(..., nodes=(first, last + 1))"
+                )
+
+
+def walled_start(
+    layout: MultiBlock, walls: Mapping[str, Sides[Wall | None]], backend: str | None, report: Progress
+) -> MultiBlock:
+    """Solve every block with walls by itself, and return the layout with what was found."""
+    planes: list[Array] = []
+    for name, grid in zip(layout.names, layout.blocks, strict=True):
+        found = None
+        if name in walls:
+            way = WallContinuation(walls[name], backend, report)
+            way.solve(grid.planes.copy(), nested=True)
+            found = way.on_grid(grid.planes)
+        planes.append(grid.planes if found is None else found)
+    return layout.moved(planes)
+
+
+def wall_targets(layout: MultiBlock, walls: Mapping[str, Sides[Wall | None]]) -> dict[str, Target]:
+    """Return the targets of all blocks, by name: what walls ask for, or the lengths of the block's own cells.
+
+    Args:
+        layout: the start that was given.
+        walls: of the blocks that have some.
+    """
+    targets = {}
+    for name, grid in zip(layout.names, layout.blocks, strict=True):
+        if name in walls:
+            cells = wall_cells(walls[name], grid.planes, grid.shape)
+        else:
+            along_xi, along_eta, angle = own_cells(grid.planes)
+            cells = WallCells(along_xi, along_eta, np.full_like(angle, np.pi / 2), None, None)
+        targets[name] = Target.of_cells(cells)
+    return targets
+
+
+def corrected_walls(
+    walls: Mapping[str, Sides[Wall | None]],
+    asked: Mapping[str, Sides[Wall | None]],
+    found: Mapping[str, Array],
+) -> tuple[dict[str, Sides[Wall | None]], float]:
+    """Return walls whose first heights make up for what came out wrong, and by how much that is wrong at most.
+
+    Args:
+        walls: of the blocks that have some, for which the grid was made.
+        asked: what is wanted.
+        found: (2, ni, nj) of these blocks.
+    """
+    both = {name: corrected(walls[name], asked[name], found[name]) for name in walls}
+    return {name: one for name, (one, _) in both.items()}, max(wrong for _, wrong in both.values())
