@@ -92,7 +92,8 @@ def solve_euler_lagrange(
             of them, numbers or arrays (ni, nj); or `thomas-middlecoff`: computed from the boundary nodes, whose
             spacing they carry inwards. From a valid start, Newton's method then begins with `grid` itself. Or
             `hilgenstock-white`: from `walls`, updated from one solution to the next until heights are within 0.1 % and
-            angles within 0.1 degrees; it begins with the transfinite grid that has these heights, if that is valid.
+            angles within 0.1 degrees; it begins with the transfinite grid that has these heights, or, if that is
+            folded, with the one that has the walls as a target.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: of the functional.
         tolerance: factor by which the residual's norm must fall.

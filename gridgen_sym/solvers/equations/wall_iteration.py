@@ -1,6 +1,7 @@
 """Grids with walls through the equations: control functions that are updated from one solution to the next.
 
 The start is an algebraic grid with the walls' heights, and the control functions that hold it: it solves the equations.
+Where that is folded, it is the grid of the walls as a target.
 They pass to smooth ones, while every wall adds to them until its heights and angles are those that are asked for.
 """
 
@@ -17,6 +18,8 @@ from ...errors import GridgenError
 from ...fields.wall_cells import WallCells, misplaced_sides, wall_cells
 from ...grids import corner_jacobians
 from ..minimization import Run
+from ..multilevel.nested import worth_nesting
+from ..multilevel.wall_continuation import WallContinuation
 from ..run.status import Outcome, Status
 from .algebraic_grid import holding_controls, law_controls, law_grid, line_fractions, smoothed
 from .newton import solve_by_newton
@@ -33,6 +36,7 @@ _TOLERANCE, _STEPS = 1e-3, 12
 _PATIENCE = 15
 #: Sweeps that smooth the control functions; the largest ones, over 2/step, beyond which central differences oscillate.
 _SWEEPS, _LARGEST = 10, 0.5
+_BEGAN = "The transfinite grid with these heights is folded, so it began with the one that has the walls as a target: "
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +231,7 @@ def solve_with_walls(
     algebraic = law_grid(run.coordinates, cells)
     if limit and corner_jacobians(*algebraic).min() > 0:
         run.coordinates = algebraic
-    elif not run.make_valid():
+    elif not (limit and _begun_with_target(run, walls)) and not run.make_valid():
         return run.could_not_unfold()
     if not corner_jacobians(*run.coordinates).min() > 0:
         raise GridgenError(
@@ -240,3 +244,14 @@ def solve_with_walls(
     iteration = WallIteration(run, equations, Background.of(equations, start, cells), controls, start)
     run.remark = misplaced_sides(walls, start)
     return iteration.solve(limit, tolerance)
+
+
+def _begun_with_target(run: Run, walls: Sides[Wall | None]) -> bool:
+    """Start from the grid for which the walls are a target, and report that; return whether that is valid."""
+    way = WallContinuation(walls, run.problem.kernels.backend, run.report)
+    way.solve(run.coordinates, nested=worth_nesting(run.problem, run.coordinates))
+    found = way.on_grid(run.coordinates)
+    if found is None:
+        return False
+    run.coordinates, run.said = found, _BEGAN
+    return True
