@@ -174,6 +174,8 @@ def _bisect(function: Callable[[Array], Array], value: Array, low: float, high: 
     below, above = np.full(value.shape, low), np.full(value.shape, high)
     for _ in range(_BISECTIONS):
         middle = (below + above) / 2
+        if ((middle == below) | (middle == above)).all():
+            break
         with np.errstate(over="ignore", invalid="ignore"):
             less = ~(function(middle) > value)
         below, above = np.where(less, middle, below), np.where(less, above, middle)

@@ -135,7 +135,8 @@ class DensityInputs:
             given.append((self.target.domain, self.target.parts))
         for domain, parts in given:
             for part in parts:
-                part.check_samples(*_points(domain, coordinates), among=among)
+                if part.ends:
+                    part.check_samples(*_points(domain, coordinates), among=among)
 
     def remarks(self, coordinates: Array) -> str:
         """Return a remark on nodes where the nearest sample of a field counts, with a leading blank, or nothing."""

@@ -122,6 +122,11 @@ class ScalarField:
             for one, key in zip(found, along, strict=True)
         ]
 
+    @property
+    def ends(self) -> bool:
+        """Whether there are points outside of its samples, at which it has no value."""
+        return isinstance(self.evaluator, SampledField) and self.evaluator.beyond == "error"
+
     def check_samples(
         self, x: Array, y: Array, where: str = "node", among: npt.NDArray[np.bool_] | None = None
     ) -> None:
@@ -136,7 +141,7 @@ class ScalarField:
         Raises:
             UnusableValueError: naming the field, the place and the repair.
         """
-        if isinstance(self.evaluator, SampledField) and self.evaluator.beyond == "error":
+        if isinstance(self.evaluator, SampledField) and self.ends:
             outside = ~self.evaluator.covers(x, y)
             if among is not None:
                 outside &= among

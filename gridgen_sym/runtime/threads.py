@@ -59,7 +59,10 @@ def threads_for(nodes: int) -> int:
 
     It is one in a process that was forked (by `multiprocessing`, say) from one that had used more.
     """
-    count = max(1, min(thread_count(), nodes // _NODES_PER_THREAD))
+    most = nodes // _NODES_PER_THREAD
+    if most <= 1:
+        return 1
+    count = min(thread_count(), most)
     if count > 1 and _team.lost:
         report_once(
             "this process was forked from one that had used several threads, so it uses one: let multiprocessing "

@@ -66,7 +66,7 @@ def mean_jacobian(coordinates: Array) -> float:
     """Return the mean of the absolute Jacobians of the corners of (2, ni, nj) coordinates; of a large grid, of some."""
     _, ni, nj = coordinates.shape
     rows = np.zeros(ni - 1, dtype=bool)
-    rows[:: max(1, ni // _SOME_ROWS)] = True
+    rows[:: max(1, ni // _SOME_ROWS) if ni * nj > _NUMBERS else 1] = True
     blocks = _blocks(rows, max(1, _NUMBERS // nj))
     total = sum(float(np.abs(corner_jacobians(*coordinates[:, block])).sum()) for block in blocks)
     return total / float(4 * np.count_nonzero(rows) * (nj - 1))

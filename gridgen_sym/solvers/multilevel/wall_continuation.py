@@ -20,6 +20,7 @@ from ...fields.wall_cells import WallCells, corrected, own_cells, wall_cells
 from ...functionals.registry import functional as find_functional
 from ...grids import Grid, corner_jacobians
 from ..binding import make_problem
+from ..linear.solution import LinearSolver
 from ..minimization import Run
 from ..newton.minimize import minimize
 from ..problem import Problem
@@ -31,7 +32,7 @@ from .prolongation import coarse_start
 from .wall_prolongation import finer_grid
 
 #: How well the problems on the way are solved, in how many steps at most.
-_TOLERANCE, _STEPS = 1e-1, 30
+_TOLERANCE, _STEPS = 2e-1, 30
 #: The same of the grid whose heights are measured first: corrections are for those of the minimum.
 _MEASURED = 1e-2
 #: The first, the least and the greatest step of t.
@@ -39,7 +40,7 @@ _FIRST, _LEAST, _GREATEST = 1 / 8, 1 / 512, 1 / 4
 #: Heights are corrected so often at most, and not where they are wrong by no more than this part.
 _CORRECTIONS, _RIGHT = 3, 2e-3
 #: A step of t that took so few Newton steps is followed by a longer one.
-_EASY = 12
+_EASY = 6
 
 
 def approach_walls(run: Run, walls: Sides[Wall | None], backend: str | None) -> Sides[Wall | None]:
@@ -71,6 +72,7 @@ class WallContinuation:
         report: receives every step.
         found: (2, ni, nj), the last valid grid, and what walls ask for there.
         reached: the greatest t of the last grid.
+        solver: of the linear systems, and the shape that it is for.
     """
 
     walls: Sides[Wall | None]
@@ -78,6 +80,7 @@ class WallContinuation:
     report: Progress
     found: tuple[Array, WallCells] | None = None
     reached: float = 0.0
+    solver: tuple[tuple[int, int], LinearSolver] | None = None
 
     def solve(self, coordinates: Array, *, nested: bool) -> None:
         """Find a grid that is near the minimum for what the walls ask for, or the nearest valid one.
@@ -162,9 +165,20 @@ class WallContinuation:
 
     def _minimized(self, problem: Problem, place: Array, tolerance: float = _TOLERANCE) -> Outcome:
         """Minimize roughly, in place."""
-        self.report.begin("walls", problem.fixed.shape)
+        shape = place.shape[1], place.shape[2]
+        self.report.begin("walls", shape)
         problem.measure_locally(place)
-        return minimize(problem, place, self.report, tolerance=tolerance, max_iterations=_STEPS, keep_valid=True)
+        if self.solver is None or self.solver[0] != shape:
+            self.solver = shape, problem.solver()
+        return minimize(
+            problem,
+            place,
+            self.report,
+            tolerance=tolerance,
+            max_iterations=_STEPS,
+            keep_valid=True,
+            solver=self.solver[1],
+        )
 
 
 def between(own: tuple[Array, Array, Array], cells: WallCells, t: float) -> WallCells:
