@@ -23,7 +23,7 @@ from .monitor import Measure, Monitor, as_monitor
 from .mover import Mover
 from .result import AdaptResult
 from .run import Callback, Live, Run
-from .sides import Boundary, sliding_sides
+from .sides import Boundary, SideSpacing, sliding_curves
 from .source import Solution, source_of
 from .weight_exponent import weight_exponent_of
 
@@ -76,9 +76,9 @@ def adapt(
             1, by geometric means; Aitken's rule chooses it in the next steps.
         tolerance: the grid has settled when no node moves farther in a step, over the size of the domain.
         boundary: `straight`: nodes slide along the straight stretches of every side, which changes no shape; `all`:
-            along the polygon of every side, which cuts off what lies between two nodes; `fixed`: they stay. Corners
-            always stay.
-        fixed: (ni, nj) mask of inner nodes that do not move; a stretch with such a node inside does not slide.
+            along every side, on splines through its nodes between sharp turns, which cuts off what lies between two
+            nodes; `fixed`: they stay. Corners and sharp turns always stay.
+        fixed: (ni, nj) mask of nodes that do not move.
         callback: called with every `AdaptStep`; may raise StopIteration to stop.
         time_limit: seconds after which to stop; untangling a folded start counts. Your own solver is not stopped while
             it works.
@@ -101,11 +101,11 @@ def adapt(
     exponent = weight_exponent_of(definition.name, weight_exponent)
     source = source_of(solution, grid)
     start, note = _valid_start(grid, fixed, deadline, backend)
-    sides = sliding_sides(start, boundary, fixed)
     chosen = as_monitor(monitor)
+    sides = SideSpacing(sliding_curves(start, boundary, fixed), chosen.side_exponent)
     mask = fixed_mask(grid, fixed)
     given = {"parameters": parameters, "fields": fields, "target": target}
-    mover = Mover(definition, exponent, given, mask, backend, damping, sides, chosen.side_exponent, deadline)
+    mover = Mover(definition, exponent, given, mask, backend, damping, sides, deadline)
     run = Run(source, chosen, mover, start)
     with Live(f"adapt, {definition.name}", callback, progress) as live:
         outcome = run.until_ended(max_iterations, moves or source.moves, tolerance, live)

@@ -45,7 +45,7 @@ Measure = Callable[[Grid, Array], npt.ArrayLike]
 #: Steps of bisection by which the intensity is found to round-off.
 _BISECTIONS = 60
 #: What rounding may add to nodal values, over the largest of them.
-_ROUNDING = 8 * float(np.finfo(float).eps)
+ROUNDING = 8 * float(np.finfo(float).eps)
 
 
 def _mean(grid: Grid, values: Array) -> float:
@@ -174,7 +174,7 @@ class Monitor:
         if not isinstance(self.measure, str):
             return m
         signs = np.random.default_rng(0).choice((-1.0, 1.0), grid.shape)
-        noise = np.asarray(_MEASURES[self.measure](grid, _ROUNDING * float(np.abs(u).max()) * signs))
+        noise = np.asarray(_MEASURES[self.measure](grid, ROUNDING * float(np.abs(u).max()) * signs))
         return m if m.max() > noise.max() else np.zeros_like(m)
 
     def _intensified(self, grid: Grid, m: Array) -> Array:

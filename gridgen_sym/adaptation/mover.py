@@ -1,4 +1,4 @@
-"""Move nodes toward a density: the boundary slides, and the functional is minimized with a damped weight.
+"""Move nodes toward a density: the functional is minimized with a damped weight, and boundary nodes slide with it.
 
 The weight is damped, by geometric means of the last one and the one of the density, and not the displacement of the
 nodes: every grid is then a minimum of the functional, as valid as its barrier makes it, while the mean of two valid
@@ -20,10 +20,10 @@ from ..fields import Weight
 from ..fields.sampled import grid_field, nodal
 from ..functionals.definition import Functional
 from ..grids import Grid
-from ..solvers import optimize
+from ..solvers import energy, optimize
 from ..solvers.run.deadline import Deadline
 from .equidistribution import cell_areas
-from .sides import Side, slide
+from .sides import SideSpacing
 from .weight_exponent import WeightExponent, weight_values
 
 #: The tolerance and the most Newton steps of one minimization: the weight changes after it, so that more is wasted.
@@ -43,10 +43,10 @@ class Mover:
         fixed: mask of the nodes that do not move.
         backend: `c`, `numpy` or the default.
         damping: how far the next weight goes to the one of the density; the first one is given, others follow.
-        sides: where boundary nodes slide.
-        side_exponent: the power of the density that they equidistribute.
+        sides: where boundary nodes slide, and how they are spaced.
         deadline: of the adaptation.
         weight: the last weight (ni, nj); at first that under which the start is equidistributed.
+        energy: the size of the functional's energy with that.
         failure: why the last minimization did not converge, or nothing.
         residual: (ni, nj), of the last move: the logarithm of the density's weight over the weight before.
     """
@@ -57,10 +57,10 @@ class Mover:
     fixed: Mask
     backend: str | None
     damping: float
-    sides: list[Side]
-    side_exponent: float = 1.0
+    sides: SideSpacing
     deadline: Deadline = field(default_factory=Deadline)
     weight: Array | None = None
+    energy: float | None = None
     failure: str = ""
     residual: Array | None = None
 
@@ -80,14 +80,16 @@ class Mover:
     def _move(self, start: Grid, density: Array) -> Grid:
         if self.weight is None:
             self.weight = weight_values(nodal(1 / cell_areas(start)), start, self.weight_exponent)
-        grid = slide(self.sides, start, density**self.side_exponent, self.fixed, min(self.damping, 1.0))
-        residual = np.log(weight_values(density, grid, self.weight_exponent) / self.weight)
+        residual = np.log(weight_values(density, start, self.weight_exponent) / self.weight)
+        size = self._size(start) if self.sides.curves else 1.0
         self._choose_damping(residual)
+        slide = self.sides.toward(start, density, self.damping, size)
         self.weight = self.weight * np.exp(self.damping * residual)
         solved = optimize(
-            grid,
+            start,
             self.functional,
             weight=Weight(self.weight),
+            slide=slide or None,
             fixed=self.fixed,
             tolerance=_INNER_TOLERANCE,
             max_iterations=_INNER_STEPS,
@@ -101,6 +103,14 @@ class Mover:
             raise KeyboardInterrupt
         self.failure = "" if solved.converged else solved.message
         return solved.grid
+
+    def _size(self, grid: Grid) -> float:
+        """Return the size of the functional's energy, as it is under the first weight."""
+        if self.energy is None:
+            weight = Weight(self.weight)
+            found = abs(energy(grid, self.functional, weight=weight, backend=self.backend, **self.given))
+            self.energy = found if 0 < found < np.inf else 1.0
+        return self.energy
 
     def _choose_damping(self, residual: Array) -> None:
         """Set the damping with which the last move would have left the smallest residual."""

@@ -15,7 +15,7 @@ from ..solvers.run.live import LiveLine
 from ..solvers.run.status import Outcome, Status, StopReason
 from .equidistribution import cell_areas, cell_means, variation
 from .error_estimate import hierarchical_error
-from .monitor import Monitor
+from .monitor import ROUNDING, Monitor
 from .mover import Mover, movement
 from .result import AdaptResult, AdaptStep, change_of
 from .source import Source
@@ -108,7 +108,9 @@ class Run:
             why = f"nodes move no farther, but {name} is not minimized: {self.mover.failure}"
             return Outcome(Status.STALLED, why)
         message = f"the grid has settled: its last step moved no node by more than {distance:.1e}."
-        if not self._estimates or self.history[-1].error <= self.history[0].error:
+        size = float(np.abs(self.values).max()) * float(np.sqrt(cell_areas(self.grid).sum()))
+        least = max(self.history[0].error, ROUNDING * size)
+        if not self._estimates or self.history[-1].error <= least:
             return Outcome(Status.CONVERGED, message)
         others = [repr(name) for name in _ADVISED if name != self.monitor.measure]
         return Outcome(

@@ -66,21 +66,23 @@ def weight_values(density: Array, grid: Grid, weight_exponent: WeightExponent) -
     nodes, nor on the scale of the density.
 
     Raises:
-        GridgenError: where it overflows: tiny cells, or a large power of a density that varies much.
+        GridgenError: where it overflows, or underflows to zero: tiny cells, or a large power of a density that varies
+            much.
     """
     power, degree = weight_exponent
     area = cell_areas(grid)
     relative = density / float((cell_means(density) * area).sum() / area.sum())
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", under="ignore"):
         weight = np.asarray(relative**power / area.sum() ** degree)
-    if weight.max() <= LARGEST:
+    if 0 < weight.min() <= weight.max() <= LARGEST:
         return weight
+    how = "overflows" if weight.max() > LARGEST else "underflows to zero"
     if degree:
         raise GridgenError(
-            f"the grid has an area of {area.sum():.3g}, and the weight that places nodes overflows: "
-            "scale the grid to a size of about 1"
+            f"the grid has an area of {area.sum():.3g}, and the weight that places nodes {how}: scale the grid to a "
+            "size of about 1"
         )
     raise GridgenError(
         f"the density of nodes is {relative.min():.3g} to {relative.max():.3g} of its mean, and its power {power:g}, "
-        "the weight, overflows: take another exponent, or a density that varies less"
+        f"the weight, {how}: take another exponent, or a density that varies less"
     )

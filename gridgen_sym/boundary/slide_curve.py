@@ -37,11 +37,14 @@ class SlideCurve:
         point: its points (m, 2) at parameters (m,).
         derivatives: its points, and their first and second derivatives in the parameter.
         corners: the parameters of its sharp turns and of its two ends, in order.
+        springs: the weights (n - 1,) of the edges of n nodes along it, which are pulled to equal weight times length;
+            None where the functional alone spaces the nodes.
     """
 
     point: Callable[[Array], Array]
     derivatives: Callable[[Array], tuple[Array, Array, Array]]
     corners: Array
+    springs: Array | None = None
 
     def first(self, t: Array) -> Array:
         """Return the first derivatives (m, 2)."""
@@ -52,8 +55,13 @@ class SlideCurve:
         return self.derivatives(t)[2]
 
     @classmethod
-    def of_points(cls, points: npt.ArrayLike) -> SlideCurve:
-        """Return the curve through points (n, 2): cubic splines between sharp turns, straight where there are few."""
+    def of_points(cls, points: npt.ArrayLike, corners: npt.NDArray[np.intp] | None = None) -> SlideCurve:
+        """Return the curve through points (n, 2): cubic splines between corners, straight where there are few points.
+
+        Args:
+            points: in their order.
+            corners: the indices of those that are corners, increasing, between the two ends; by default sharp turns.
+        """
         line = real_array(points, "the curve of a side")
         if line.ndim != 2 or line.shape[1] != 2 or len(line) < 2:
             raise GridgenError(
@@ -67,7 +75,8 @@ class SlideCurve:
                 "the points of the curve of a side must be finite, and each different from the one before; points "
                 f"{k} and {k + 1} are {line[k].tolist()} and {line[k + 1].tolist()}: leave out what is repeated"
             )
-        sharp = np.concatenate(([0], 1 + np.flatnonzero(_turns(line) > _SHARP), [len(line) - 1]))
+        inner = np.flatnonzero(sharp_turns(line)) if corners is None else corners
+        sharp = np.concatenate(([0], inner, [len(line) - 1]))
         breaks, factors = _splines(arc, line, sharp)
 
         def derivatives(t: Array) -> tuple[Array, Array, Array]:
@@ -110,7 +119,8 @@ class SlideCurve:
             point, first, second = self.derivatives(1.0 - t)
             return point, -first, second
 
-        return SlideCurve(lambda t: self.point(1.0 - t), derivatives, 1.0 - self.corners[::-1])
+        springs = None if self.springs is None else self.springs[::-1]
+        return SlideCurve(lambda t: self.point(1.0 - t), derivatives, 1.0 - self.corners[::-1], springs)
 
     def nearest(self, place: Array, start: Array | None = None) -> Array:
         """Return the parameters (m,) of the nearest points of the curve.
@@ -200,8 +210,9 @@ def _splines(arc: Array, line: Array, sharp: npt.NDArray[np.intp]) -> tuple[Arra
     return arc, np.concatenate([piece.c for piece in pieces], axis=1)
 
 
-def _turns(line: Array) -> Array:
-    """Return by how much a polyline turns at its inner points, in radians."""
+def sharp_turns(line: Array) -> npt.NDArray[np.bool_]:
+    """Return at which points of a polyline (n, 2) it turns by more than a curve would; never at the ends."""
     step = np.diff(line, axis=0)
     cross = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]
-    return np.asarray(np.abs(np.arctan2(cross, (step[:-1] * step[1:]).sum(axis=1))))
+    turns = np.abs(np.arctan2(cross, (step[:-1] * step[1:]).sum(axis=1)))
+    return np.concatenate(([False], turns > _SHARP, [False]))

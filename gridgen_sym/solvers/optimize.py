@@ -133,6 +133,7 @@ def optimize(
     rectangle = LogicalRectangle.of(spacing, grid.shape)
     sides = None if walls is None else walls_by_side(walls)
     curves = None if slide is None else slide_curves(grid, slide)
+    per_node = isinstance(weight, Weight) and weight.per_node
 
     def make(on: Grid, fixed: npt.ArrayLike | None = None, along: Mapping[str, SlideCurve] | None = None) -> Problem:
         return make_problem(
@@ -163,7 +164,7 @@ def optimize(
                 sides = approach_walls(run, sides, backend)
                 run.renew(make(grid, fixed))
             else:
-                if curves is not None and target is None and limit:
+                if curves is not None and target is None and not per_node and limit:
                     choose_turns(run, curves, lambda on, along: make(on, along=along))
                 if (method == "newton" and limit) or run.to_untangle:
                     run.start_from_coarse_grids()

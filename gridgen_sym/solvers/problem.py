@@ -18,6 +18,7 @@ from .linear.solution import LinearSolver
 from .linear.systems import hessian_solver
 from .norms import inner, mean_edge_length, norm_of, shortest_edges
 from .sliding.slide import Slide
+from .sliding.springs import add_spring_gradient, add_spring_hessian, spring_energy
 
 
 @dataclass(slots=True)
@@ -105,13 +106,15 @@ class Problem:
         energy, smallest = self.kernels.energy(
             coordinates, self.values(coordinates), self.steps, interior_only=self.interior_only
         )
-        return energy, self._guarded(coordinates, smallest)
+        return energy + spring_energy(self.slide, coordinates), self._guarded(coordinates, smallest)
 
     def energy_gradient(self, coordinates: Array, out: Array | None = None) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian and the gradient (2, ni, nj; in `out`), zero at fixed nodes."""
         energy, smallest, gradient = self.kernels.energy_gradient(
             coordinates, self.values(coordinates), self.steps, interior_only=self.interior_only, out=out
         )
+        energy += spring_energy(self.slide, coordinates)
+        add_spring_gradient(self.slide, coordinates, gradient)
         return energy, self._guarded(coordinates, smallest), self.pin(gradient)
 
     def _guarded(self, coordinates: Array, smallest: float) -> float:
@@ -157,6 +160,7 @@ class Problem:
             coordinates, values, self.steps, semidefinite=semidefinite, interior_only=self.interior_only, out=out
         )
         if self.slide is not None:
+            add_spring_hessian(self.slide, planes)
             self.slide.constrain(planes, self._gradient_at_sides(coordinates), semidefinite=semidefinite)
         return planes
 
@@ -164,13 +168,16 @@ class Problem:
         """Return the gradient (2, ni, nj), not projected, that is right at the nodes of the sides alone."""
         values, inner = self.values(coordinates), self.interior_only
         if values is not None or inner:
-            return self.kernels.energy_gradient(coordinates, values, self.steps, interior_only=inner)[2]
+            found = self.kernels.energy_gradient(coordinates, values, self.steps, interior_only=inner)[2]
+            add_spring_gradient(self.slide, coordinates, found)
+            return found
         found = np.zeros_like(coordinates)
         every, first, last = slice(None), slice(None, 2), slice(-2, None)  # Only the cells beside a side count there.
         strips = (every, first), (every, last), (every, every, first), (every, every, last)
         for strip, side in zip(strips, SIDES, strict=True):
             beside = np.ascontiguousarray(coordinates[strip])
             found[side] = self.kernels.energy_gradient(beside, None, self.steps)[2][side]
+        add_spring_gradient(self.slide, coordinates, found)
         return found
 
     def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:

@@ -7,6 +7,7 @@ import pytest
 
 import gridgen_sym as gg
 from gridgen_sym.adaptation.mover import Mover, movement
+from gridgen_sym.adaptation.sides import SideSpacing
 from gridgen_sym.adaptation.weight_exponent import WeightExponent
 
 from .conftest import front, ring, square, two_scales
@@ -78,10 +79,10 @@ def test_a_front_through_two_corners_settles_soon(nodes):
     """Its nodes crowd from both sides of the corners; a damping that is only ever lowered takes 18 to 31 steps."""
     result = gg.adapt(square(nodes), front)
     assert result.converged, result.message
-    assert result.iterations <= 28
+    assert result.iterations <= 20
     dampings = [step.damping for step in result.history]
     assert dampings[0] == dampings[1] == 0.5
-    assert min(dampings) < 0.5 < max(dampings)
+    assert max(dampings) > 0.5
 
 
 def test_the_damping_of_a_step_is_chosen_anew():
@@ -97,7 +98,7 @@ def test_the_damping_of_a_step_is_chosen_anew():
 def test_the_damping_is_that_which_would_have_left_nothing(damping, rest, expected):
     """Of a move that leaves a part of the lack; within bounds, and the same as before where it has changed nothing."""
     fixed = np.ones((5, 5), dtype=np.uint8)
-    mover = Mover(gg.functional("area_winslow"), WeightExponent(1, 2), {}, fixed, None, damping, [])
+    mover = Mover(gg.functional("area_winslow"), WeightExponent(1, 2), {}, fixed, None, damping, SideSpacing({}))
     residual = 1e-3 * np.random.default_rng(0).normal(size=(5, 5))
     mover._choose_damping(residual)
     mover._choose_damping(rest * residual)

@@ -1,5 +1,7 @@
 """Sliding boundary nodes: conformal maps that are known, derivatives along the curves, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -55,16 +57,26 @@ def test_the_module_of_a_trapezoid():
 SIDES = (("bottom", 0, 1), ("top", 3, 2), ("left", 0, 3), ("right", 1, 2))
 
 
-def test_gradient_and_hessian_are_those_of_the_parameters():
+def sprung_quarter():
+    """The same curves with springs, uneven ones, on three sides of 6 x 6 cells."""
+    random = np.random.default_rng(7)
+    curves = {side: slide_curve(curve) for side, curve in QUARTER.items()}
+    for side in ("bottom", "left", "right"):
+        curves[side] = replace(curves[side], springs=random.uniform(10.0, 50.0, 6))
+    return curves
+
+
+@pytest.mark.parametrize("curves", [QUARTER, sprung_quarter()], ids=["plain", "springs"])
+def test_gradient_and_hessian_are_those_of_the_parameters(curves):
     start = uneven_quarter(6)
-    problem = make_problem(start, "winslow", slide=QUARTER)
+    problem = make_problem(start, "winslow", slide=curves)
     place = start.planes.copy()
     problem.retract(place)
     random = np.random.default_rng(3)
     way = problem.pin(random.normal(size=place.shape))
 
     def gradient_at(step):
-        moved = make_problem(start, "winslow", slide=QUARTER)
+        moved = make_problem(start, "winslow", slide=curves)
         there = place + step * way
         moved.retract(place.copy())
         moved.retract(there)
@@ -72,7 +84,7 @@ def test_gradient_and_hessian_are_those_of_the_parameters():
         return energy, gradient
 
     _, _, gradient = problem.energy_gradient(place)
-    h = 1e-4
+    h = 3e-5
     (ahead, slope_ahead), (behind, slope_behind) = gradient_at(h), gradient_at(-h)
     assert (ahead - behind) / (2 * h) == pytest.approx(float((gradient * way).sum()), rel=1e-5)
     from gridgen_sym.solvers.linear.sparse import assemble_hessian, to_vector
@@ -82,6 +94,19 @@ def test_gradient_and_hessian_are_those_of_the_parameters():
     bend = (ahead - 2 * problem.energy(place)[0] + behind) / h**2
     assert float(vector @ (matrix @ vector)) == pytest.approx(bend, rel=1e-3)
     assert not np.allclose(slope_ahead, slope_behind)
+
+
+def test_stiff_springs_make_weight_times_length_equal():
+    start = gg.domain("square", 9, 9)
+    weights = np.linspace(1.0, 3.0, 8)
+    curves = {
+        side: replace(SlideCurve.of_points(start.xy[nodes]), springs=1e6 * weights)
+        for side, nodes in (("bottom", np.s_[:, 0]), ("left", np.s_[0]))
+    }
+    found = gg.optimize(start, "winslow", slide=curves, tolerance=1e-10).grid.xy
+    for line in (found[:, 0], found[0]):
+        pulls = weights * np.hypot(*np.diff(line, axis=0).T)
+        np.testing.assert_allclose(pulls, pulls.mean(), rtol=1e-4)
 
 
 def test_nodes_stay_on_their_curves_and_corners_stay():
@@ -199,18 +224,24 @@ def test_points_of_a_curve_are_found_where_its_arms_are_close():
         ({"bottom": [[0, 0], [5, 0]]}, "the curve of the side bottom must begin and end at the corners"),
         ({"left": 3}, "the curve of a side must be points"),
         ({"left": [[0, 0]]}, "at least two different points"),
-        ({"left": lambda t: t}, r"must return points of shape \(2001, 2\)"),
+        ({"left": lambda t: t}, r"must return points of shape \(9, 2\)"),
         ({"left": [[0, 1], [0, 1.5], [0, 1.5], [0, 2]]}, r"points 1 and 2 are \[0.0, 1.5\] and \[0.0, 1.5\]"),
         ({"left": [[0, 1], [0, np.nan], [0, 2]]}, "must be finite, and each different"),
         ({"left": lambda t: np.full((len(t), 2), np.nan)}, "must be finite for all t from 0 to 1"),
         ([["left"]], r"unknown side \['left'\] in slide"),
         ({"left": [[0, 1], [-1, 1.5], [0, 2]]}, "the nodes of the side left must lie on its curve"),
-        ({"left": lambda t: np.stack([0 * t, 1 + t + 0.4 * np.sin(6 * np.pi * t)], -1)}, "must follow each other"),
     ],
 )
 def test_what_cannot_slide_is_refused(slide, match):
     with pytest.raises(gg.GridgenError, match=match):
         gg.optimize(uneven_quarter(8), "winslow", slide=slide)
+
+
+def test_nodes_that_do_not_follow_each_other_along_their_curve_are_refused():
+    xy = uneven_quarter(8).xy
+    xy[0, 3], xy[0, 4] = xy[0, 4].copy(), xy[0, 3].copy()
+    with pytest.raises(gg.GridgenError, match="must follow each other along its curve; nodes 3 and 4 are at"):
+        gg.untangle(gg.Grid(xy), slide={"left": QUARTER["left"]})
 
 
 @pytest.mark.slow

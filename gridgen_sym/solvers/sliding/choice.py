@@ -16,6 +16,8 @@ from .slide import Slide
 
 #: Corners must be so near to the ends of a curve, and nodes to it, over the extent of the grid.
 _NEAR_END, _NEAR = 1e-6, 0.05
+#: Nodes so near to a curve, over the extent, are where they were looked for.
+_ON = 1e-9
 
 
 def make_slide(grid: Grid, slide: object) -> Slide:
@@ -68,7 +70,9 @@ def _curves(slide: object) -> dict[str, object]:
 
 def _placed(name: str, curve: SlideCurve, nodes: Array, extent: float) -> tuple[SlideCurve, Array]:
     """Return a curve in the direction of the nodes of a side, and their parameters; it may be given either way."""
-    at = curve.nearest(nodes)
+    at = curve.nearest(nodes, chord_fractions(nodes))
+    if np.abs(curve.point(at) - nodes).max() > _ON * extent:
+        at = curve.nearest(nodes)
     ends = curve.point(np.array([0.0, 1.0]))
     ahead, back = (np.abs(two - nodes[[0, -1]]).max() for two in (ends, ends[::-1]))
     if min(ahead, back) > _NEAR_END * extent:

@@ -59,6 +59,12 @@ class SlidingSide:
         self.low, self.high = np.where(self.free, low, self.at), np.where(self.free, high, self.at)
 
     @property
+    def springs(self) -> Array | None:
+        """The weights of the edges between all nodes, if springs space them."""
+        given = self.curve.springs
+        return given if given is not None and len(given) == len(self.at) - 1 else None
+
+    @property
     def nodes(self) -> Index:
         """The indices of the nodes that slide."""
         return self.index[0][self.free], self.index[1][self.free]
