@@ -15,7 +15,7 @@ from .wall_fractions import both_grow
 
 #: Cells that cover this part of the distance to the opposite side grow nearly as they should.
 _COVERED = 0.99
-#: What is farther than this times the distance is not told apart: powers overflow.
+#: Cells that would reach farther than this count as that far: powers overflow.
 _FAR = 1e300
 
 
