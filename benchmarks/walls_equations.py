@@ -83,10 +83,12 @@ def measure(start: gg.Grid, first: np.ndarray, at: slice, way: str) -> str:
     solve()  # Compiles what must be compiled.
     clock, unit = fastest(solve, runs=3, seconds=0.0), unit_of(start, "winslow")
     wrong, off = (values[at] for values in at_wall(kept[0].grid, first))
-    quality = kept[0].quality
+    quality, xy = kept[0].quality, kept[0].grid.xy[1:-1]
+    growth = np.hypot(*(xy[:, 2] - xy[:, 1]).T) / np.hypot(*(xy[:, 1] - xy[:, 0]).T)
     return (
         f"{way} | {kept[0].status.name.lower()} | {quality.folded_cells} | {100 * np.percentile(wrong, 99):.2f} % | "
-        f"{np.percentile(off, 95):.2f} | {off.max():.2f} | {quality.min_scaled_jacobian:.2f} | "
+        f"{np.percentile(off, 95):.2f} | {off.max():.2f} | {np.median(growth[at]):.2f} | "
+        f"{quality.min_scaled_jacobian:.2f} | "
         f"{quality.non_orthogonality.mean:.1f} | {clock.cpu:.2f} | {clock.cpu / unit.cpu:.0f} |"
     )
 
@@ -134,13 +136,13 @@ def main() -> None:
     parser.add_argument("folder", nargs="?", type=Path, default=DATA)
     parser.add_argument("--refine", nargs="+", type=int, default=[1])
     given = parser.parse_args()
-    print("| grid | walls become | ended as | folded | height error, 99 % | degrees off normal, 95 % | max |", end="")
-    print(" scaled Jacobian, min | degrees off 90, mean | s | passes |\n| " + "--- | " * 11)
+    print("| grid | walls become | ended as | folded | height error, 99 % | degrees off normal, 95 % | max | ", end="")
+    print("growth, median | scaled Jacobian, min | degrees off 90, mean | s | passes |\n|" + " --- |" * 12)
     for name, start, first, at in cases(given.folder, given.refine):
         for way in WAYS:
             print(f"| {name} | {measure(start, first, at, way)}", flush=True)
     print("\n| first height | " + " | ".join(f"decay {decay}" for decay in DECAYS) + " | `hilgenstock-white` |")
-    print("| " + "--- | " * (len(DECAYS) + 2))
+    print("|" + " --- |" * (len(DECAYS) + 2))
     for height in FIRST:
         found = [steger_sorenson(channel(height), height, decay) for decay in DECAYS]
         wrong, off = at_wall(by_equations(channel(height), np.full(41, height)).grid, np.full(41, height))
