@@ -15,6 +15,8 @@ from ..atomic import write_bytes
 from ..errors import GridgenError, MissingExtraError, quoted
 from ..grids.grid import Grid, check_grid
 from ..grids.quality import quality
+from ..topology.multiblock import MultiBlock
+from .layouts import draw_blocks, write_names
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,13 +29,16 @@ _INK, _EDGE, ALARM = "#26323d", "#0b1016", "#d7191c"
 
 
 def plot_grid(
-    grid: Grid,
+    grid: Grid | MultiBlock,
     path: str | os.PathLike[str] | None = None,
     *,
     title: str | None = None,
     ax: Axes | None = None,
 ) -> Figure:
     """Draw a grid: its lines, its boundary a little thicker, its folded cells red and counted.
+
+    Of several blocks the edges are thicker, their names stand at their middles, and named boundaries have colors, which
+    the legend explains.
 
     Args:
         grid: the grid; with more than 260 lines along an axis only every n-th is drawn, and the title says so.
@@ -49,7 +54,7 @@ def plot_grid(
         MissingExtraError: if Matplotlib is not installed.
         GridgenError: if the picture's suffix is unknown or it cannot be written.
     """
-    check_grid(grid)
+    _check(grid)
     if ax is None:
         ax = _figure(grid).add_subplot()
     draw_grid(ax, grid, title)
@@ -60,7 +65,7 @@ def plot_grid(
 
 
 def plot_grids(
-    grids: Sequence[tuple[str, Grid]], path: str | os.PathLike[str] | None = None, *, columns: int = 3
+    grids: Sequence[tuple[str, Grid | MultiBlock]], path: str | os.PathLike[str] | None = None, *, columns: int = 3
 ) -> Figure:
     """Draw several grids side by side, each with its title; otherwise as `plot_grid`.
 
@@ -80,7 +85,7 @@ def plot_grids(
     for pair in grids:
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise GridgenError(f"a picture in panels takes pairs of a title and a grid; came {quoted(pair)}")
-        check_grid(pair[1])
+        _check(pair[1])
     across = min(columns, len(grids))
     down = -(-len(grids) // across)
     figure = new_figure(3.6 * across, 3.6 * down)
@@ -100,28 +105,42 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def _figure(grid: Grid) -> Figure:
+def _check(grid: object) -> None:
+    """Raise a `GridgenError` unless this is a grid of one or several blocks."""
+    if not isinstance(grid, MultiBlock):
+        check_grid(grid)
+
+
+def _figure(grid: Grid | MultiBlock) -> Figure:
     """Return an empty figure with about the proportions of the grid."""
-    width, height = np.ptp(grid.planes / 2, axis=(1, 2)).tolist()
+    blocks = (grid,) if isinstance(grid, Grid) else grid.blocks
+    halves = np.concatenate([block.planes.reshape(2, -1) / 2 for block in blocks], axis=1)
+    width, height = np.ptp(halves, axis=1).tolist()
     largest = max(width, height) or 1.0
     return new_figure(*(1.0 + 6.0 * float(np.clip(side / largest, 0.3, 1.0)) for side in (width, height)))
 
 
-def draw_grid(ax: Axes, grid: Grid, title: str | None, ink: float = 1.0) -> None:
+def draw_grid(ax: Axes, grid: Grid | MultiBlock, title: str | None, ink: float = 1.0) -> None:
     """Draw one grid on axes; `ink` scales the widths of its lines, for small panels."""
     from matplotlib.collections import LineCollection
 
-    largest = float(np.abs(grid.planes).max())
+    blocks = (grid,) if isinstance(grid, Grid) else grid.blocks
+    largest = max(float(np.abs(block.planes).max()) for block in blocks)
     if largest > _LARGEST:
         raise GridgenError(f"the grid's coordinates reach {largest:.3g}, too large to draw: scale them")
-    step = max(1, -(-max(grid.shape) // MOST_LINES))
+    most = max(max(block.shape) for block in blocks)
+    step = max(1, -(-most // MOST_LINES))
     # With fewer lines each can be thicker; in the thinnest the cells can still be distinguished.
-    width = ink * float(np.clip(30.0 / max(grid.shape), 0.25, 0.8))
-    ax.add_collection(LineCollection(_lines(grid, step), colors=_INK, linewidths=width, zorder=2))
-    xy = grid.xy
-    boundary = [xy[:, 0], xy[-1], xy[:, -1], xy[0]]
-    ax.add_collection(LineCollection(boundary, colors=_EDGE, linewidths=width + 0.6 * ink, zorder=3, capstyle="round"))
-    _mark_folds(ax, grid)
+    width = ink * float(np.clip(30.0 / most, 0.25, 0.8))
+    lines = [line for block in blocks for line in _lines(block, step)]
+    ax.add_collection(LineCollection(lines, colors=_INK, linewidths=width, zorder=2))
+    if isinstance(grid, Grid):
+        xy = grid.xy
+        sides = [xy[:, 0], xy[-1], xy[:, -1], xy[0]]
+        ax.add_collection(LineCollection(sides, colors=_EDGE, linewidths=width + 0.6 * ink, zorder=3, capstyle="round"))
+    else:
+        draw_blocks(ax, grid, width)
+    scale = _mark_folds(ax, blocks)
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.margins(0.04)
@@ -132,6 +151,18 @@ def draw_grid(ax: Axes, grid: Grid, title: str | None, ink: float = 1.0) -> None
     text = "\n".join(part for part in (title, thinned) if part)
     if text:
         ax.set_title(text, fontsize=10)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(
+            loc="upper center",
+            bbox_to_anchor=(0.5, 0.0),
+            borderaxespad=2.6,  # Below the tick labels, however low the axes are: in units of the font's size.
+            fontsize=8,
+            frameon=False,
+            markerscale=scale,
+            ncols=3,
+        )
+    if isinstance(grid, MultiBlock):
+        write_names(ax, grid)
 
 
 def _lines(grid: Grid, step: int) -> list[Array]:
@@ -140,20 +171,27 @@ def _lines(grid: Grid, step: int) -> list[Array]:
     return [*xy[::step], *(xy[:, j] for j in range(0, xy.shape[1], step))]
 
 
-def _mark_folds(ax: Axes, grid: Grid) -> None:
-    """Fill the folded cells, and mark their centers with dots that stay visible in any grid."""
+def _mark_folds(ax: Axes, blocks: Sequence[Grid]) -> float:
+    """Fill the folded cells, and mark their centers with dots that stay visible in any grid.
+
+    Returns:
+        How many times larger the dots are to be in the legend.
+    """
     from matplotlib.collections import PolyCollection
 
-    report = quality(grid)
-    if report.valid:
-        return
-    count = report.folded_cells
-    shown = slice(None, None, -(-count // MOST_FOLDS))
-    i, j = report.folded[shown].T
-    corners = grid.planes[:, [i, i + 1, i + 1, i], [j, j, j + 1, j + 1]].transpose(2, 1, 0)
-    ax.add_collection(PolyCollection(list(corners), facecolors=ALARM, edgecolors="none", alpha=0.5, zorder=4))
-    label = f"{count} folded cell{'s' if count > 1 else ''}"
-    x, y = report.folded_centers[shown].T
+    reports = [quality(block) for block in blocks]
+    count = sum(report.folded_cells for report in reports)
+    if count == 0:
+        return 1.0
+    every = -(-count // MOST_FOLDS)
+    cells, centers = [], []
+    for block, report in zip(blocks, reports, strict=True):
+        i, j = report.folded[::every].T
+        cells.append(block.planes[:, [i, i + 1, i + 1, i], [j, j, j + 1, j + 1]].transpose(2, 1, 0))
+        centers.append(report.folded_centers[::every])
+    corners = list(np.concatenate(cells))
+    ax.add_collection(PolyCollection(corners, facecolors=ALARM, edgecolors="none", alpha=0.5, zorder=4))
+    x, y = np.concatenate(centers).T
     ax.plot(
         x,
         y,
@@ -163,16 +201,9 @@ def _mark_folds(ax: Axes, grid: Grid) -> None:
         markeredgewidth=0,
         color=ALARM,
         zorder=5,
-        label=label,
+        label=f"{count} folded cell{'s' if count > 1 else ''}",
     )
-    ax.legend(
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.0),
-        borderaxespad=2.6,  # Below the tick labels, however low the axes are: in units of the font's size.
-        fontsize=8,
-        frameon=False,
-        markerscale=1 if count <= 200 else 2,
-    )
+    return 1.0 if count <= 200 else 2.0
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import pickle
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from layouts import butterfly, cut
 
 from gridgen_sym.boundary import domain
 from gridgen_sym.errors import GridgenError, MissingExtraError
-from gridgen_sym.grids import Grid
+from gridgen_sym.grids import Grid, quality
 from gridgen_sym.plotting import plot_grid, plot_grids
+from gridgen_sym.topology import MultiBlock
 
 pytest.importorskip("matplotlib")
 from matplotlib.collections import LineCollection, PolyCollection
@@ -165,3 +168,53 @@ def test_the_legend_stands_below_the_tick_labels(stretch):
     assert len(labels) > 1
     assert not any(legend.overlaps(label) for label in labels)
     assert legend.y1 < min(label.y0 for label in labels)
+
+
+def test_blocks_have_names_edges_and_boundaries(tmp_path):
+    layout = butterfly(4, 3)
+    named = MultiBlock(
+        dict(zip(layout.names, layout.blocks, strict=True)),
+        boundaries={"wall": [("south", "bottom"), ("east", "bottom")], "hot": [("north", "bottom", (1, 3))]},
+    )
+    figure = plot_grid(named, tmp_path / "pipe.png", title="a pipe")
+    (ax,) = figure.axes
+    assert [text.get_text() for text in ax.texts] == [*layout.names]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["wall", "hot"]
+    colors = [line.get_color() for line in ax.lines]
+    assert len(colors) == 3
+    assert colors[0] == colors[1] != colors[2]
+    assert ax.lines[2].get_xydata() == pytest.approx(named["north"].xy[1:4, 0])
+    # Edges of blocks are thicker than the lines inside, and nothing lies over the names, nor they over each other.
+    inside, edges = ax.collections
+    assert len(edges.get_segments()) == 4 * 5
+    assert edges.get_linewidth()[0] > inside.get_linewidth()[0]
+    assert min(text.get_zorder() for text in ax.texts) > max(one.get_zorder() for one in (*ax.lines, *ax.collections))
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in ax.texts]
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+
+
+def test_names_without_room_are_smaller():
+    first, second = cut(domain("square", 9, 9), (0, 4, 8), (0, 8)).blocks
+
+    def size(letters):
+        figure = plot_grid(MultiBlock({"a" * letters: first, "b" * letters: second}))
+        return figure.axes[0].texts[0].get_fontsize()
+
+    assert size(10) == 9
+    assert 4 < size(50) < 9
+
+
+def test_the_name_of_a_block_stands_where_its_area_is():
+    clustered = Grid(np.stack(np.meshgrid(np.arange(5.0), np.geomspace(1e-3, 1, 21), indexing="ij"), axis=-1))
+    (text,) = plot_grid(MultiBlock({"only": clustered})).axes[0].texts
+    assert text.get_position()[1] > 0.4
+    assert not plot_grid(MultiBlock([clustered])).axes[0].texts  # There is nothing to distinguish.
+
+
+def test_folded_cells_of_all_blocks_are_counted():
+    layout = cut(domain("zee", 17, 17), (0, 8, 16), (0, 4, 16))
+    (ax,) = plot_grids([("folded", layout)]).axes
+    count = sum(quality(block).folded_cells for block in layout.blocks)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == [f"{count} folded cells"]
+    assert len(ax.lines[-1].get_xydata()) == count

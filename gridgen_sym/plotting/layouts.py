@@ -1,0 +1,89 @@
+"""What a picture of several blocks has more than one of a grid: edges and names of blocks, and named boundaries."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..boundary.sides import Sides
+from ..grids import Grid, corner_jacobians
+from ..topology.connection import SidePart
+from ..topology.multiblock import MultiBlock
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.text import Text
+
+#: Colors that also those distinguish who see no red or green (Okabe and Ito 2008), without its red: folds have that.
+_COLORS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#8c6d31")
+_STYLES = ("solid", (0, (4, 1.5)), (0, (1, 1)))
+_EDGE = "#0b1016"
+#: Sizes of names: the largest at which none lies over another is taken.
+_FONTS = (9.0, 8.0, 7.0, 6.0, 5.0, 4.0)
+
+
+def draw_blocks(ax: Axes, layout: MultiBlock, width: float) -> None:
+    """Draw edges and names of blocks, and boundaries in colors, with their names for the legend.
+
+    Args:
+        ax: the axes, with their lines of the grid.
+        layout: the blocks.
+        width: of the lines of the grid.
+    """
+    from matplotlib.collections import LineCollection
+
+    edges = [
+        SidePart(block, side, 0, grid.shape[0 if side in ("bottom", "top") else 1] - 1).nodes(layout.blocks)
+        for block, grid in enumerate(layout.blocks)
+        for side in Sides._fields
+    ]
+    ax.add_collection(LineCollection(edges, colors=_EDGE, linewidths=width + 0.9, zorder=3, capstyle="round"))
+    for number, (name, parts) in enumerate(layout.boundaries.items()):
+        color = _COLORS[number % len(_COLORS)]
+        style = _STYLES[number // len(_COLORS) % len(_STYLES)]
+        for count, part in enumerate(parts):
+            label = name if count == 0 else None
+            ax.plot(
+                *part.nodes(layout.blocks).T,
+                color=color,
+                linestyle=style,
+                linewidth=width + 1.7,
+                label=label,
+                zorder=3.5,
+            )
+
+
+def write_names(ax: Axes, layout: MultiBlock) -> None:
+    """Write the names of blocks at their middles, over everything else and beside each other."""
+    if len(layout) == 1 and layout.names == ("0",):
+        return
+    box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "#c9d0d6", "linewidth": 0.6}
+    texts = []
+    for name, grid in zip(layout.names, layout.blocks, strict=True):
+        x, y = grid.planes[:, *_middle(grid)]
+        texts.append(ax.text(x, y, name, ha="center", va="center", color=_EDGE, bbox=box, zorder=10, clip_on=True))
+    ax.figure.figure.draw_without_rendering()
+    for size in _FONTS:
+        for text in texts:
+            text.set_fontsize(size)
+        if not _overlap(texts):
+            break
+
+
+def _middle(grid: Grid) -> tuple[int, int]:
+    """Return the node whose two lines halve the area of a block: its middle also where lines are clustered."""
+    areas = np.abs(corner_jacobians(grid.x, grid.y)).sum(axis=0)
+    along = (np.cumsum(areas.sum(axis=1 - axis)) for axis in range(2))
+    i, j = (int(np.searchsorted(one, one[-1] / 2)) for one in along)
+    return i + 1, j + 1
+
+
+def _overlap(texts: list[Text]) -> bool:
+    """Return whether two of the texts lie over each other, with their boxes."""
+    boxes = [text.get_window_extent().padded(3.0) for text in texts]
+    low, high = np.array([box.min for box in boxes]), np.array([box.max for box in boxes])
+    return any(
+        bool((low[a] < high[b]).all() and (low[b] < high[a]).all()) for a, b in combinations(range(len(texts)), 2)
+    )
