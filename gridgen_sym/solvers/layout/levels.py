@@ -17,7 +17,7 @@ from ..linear.multigrid.hierarchy import MARGIN, allocate, coupling_sizes
 from ..linear.multigrid.library import Level
 
 #: Every block keeps at least one cell along each direction; with fewer different nodes a level is not coarsened.
-_LEAST, _FEWEST_NODES = 1, 24
+_LEAST, _FEWEST_NODES = 1, 400
 #: A direction whose couplings are weaker than this part of the other's is not halved.
 _WEAK = 0.25
 

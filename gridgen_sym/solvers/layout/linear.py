@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -56,26 +56,29 @@ class LayoutIterativeSolver:
     the square of the aspect ratio: beyond some thousands single precision does not resolve them.
     """
 
-    def __init__(self, multigrid: LayoutMultigrid, direct: LayoutDirectSolver) -> None:
-        """Begin with multigrid."""
-        self._multigrid, self._direct = multigrid, direct
-        self._switched = False
+    def __init__(self, multigrid: LayoutMultigrid, direct: Callable[[], LayoutDirectSolver]) -> None:
+        """Begin with multigrid; `direct` makes the other solver."""
+        self._multigrid, self._make_direct = multigrid, direct
+        self._direct: LayoutDirectSolver | None = None
         self._planes: list[Array] = []
 
     def set_operator(self, planes: list[Array]) -> bool:
         """Take the Hessians of the blocks."""
         self._planes = planes
-        return (self._direct if self._switched else self._multigrid).set_operator(planes)
+        return (self._direct or self._multigrid).set_operator(planes)
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve; `right` is consistent, one array of all blocks."""
-        if self._switched:
+        if self._direct is not None:
             return self._direct.solve(right, tolerance)
         found = self._multigrid.solve(right, tolerance)
         if (found.positive and found.iterations < _MANY) or not self._may_switch(right):
             return found
-        self._switched = self._direct.set_operator(self._planes)
-        return self._direct.solve(right, tolerance) if self._switched else found
+        direct = self._make_direct()
+        if not direct.set_operator(self._planes):
+            return found
+        self._direct = direct
+        return direct.solve(right, tolerance)
 
     def _may_switch(self, right: Array) -> bool:
         return right.size <= _LARGEST and self._multigrid.levels[0].crossing.count > 0
@@ -85,7 +88,10 @@ def layout_solver(
     exchange: Exchange, copies: Copies, fixed: Sequence[Mask], bonds: Sequence[Bond], backend: str
 ) -> LinearSolver:
     """Return the solver for the Hessians of blocks: multigrid where C can be compiled, else direct."""
-    direct = LayoutDirectSolver(exchange, copies, fixed)
+
+    def direct() -> LayoutDirectSolver:
+        return LayoutDirectSolver(exchange, copies, fixed)
+
     if backend == "c":
         return LayoutIterativeSolver(LayoutMultigrid(exchange, copies, fixed, bonds), direct)
-    return direct
+    return direct()

@@ -56,15 +56,15 @@ class _Run:
         """Return the result, which reports folded cells."""
         self.problem.refresh(self.coordinates)
         grid = self.layout.moved(self.problem.exchange.views(self.coordinates))
-        measured, status, message = quality(grid), outcome.status, outcome.message
+        valid, status, message = not self.problem.folds(self.coordinates).cells, outcome.status, outcome.message
         if self.untangled_by:
             message = f"The grid was folded at the start and was untangled first ({self.untangled_by}): {message}"
-        if not measured.valid:
+        if not valid:
             status = status if status.stop_reason else Status.FOLDED
-            message = f"{message} {measured.describe_folds()}"
+            message = f"{message} {quality(grid).describe_folds()}"
         return LayoutResult(
             grid=grid,
-            converged=outcome.converged and (measured.valid or not self.problem.kernels.barrier),
+            converged=outcome.converged and (valid or not self.problem.kernels.barrier),
             status=status,
             message=message.strip(),
             iterations=max(len(self.report.history) - 1, 0),
