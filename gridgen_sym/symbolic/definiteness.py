@@ -18,6 +18,8 @@ SAMPLES = 20_000
 _ROUND_OFF = 1e-9
 #: No algebra is tried where numerators have a higher degree in the first derivatives: it would take minutes, or hours.
 _HIGHEST = 12
+#: The powers of these roots are powers of one symbol.
+_HIGHEST_ROOT = 3
 _HUGE = 1e100  # beyond this, products of entries overflow: such points are not informative
 
 
@@ -89,29 +91,43 @@ def without_square_roots(expression: Expr) -> Expr:
 def without_functions(matrix: sympy.Matrix) -> tuple[sympy.Matrix, tuple[Symbol, ...]]:
     """Return the matrix with functions and roots replaced by real symbols, and those symbols that are positive.
 
-    What is then proved for all values of these symbols holds for the functions; only exp is known to be positive.
+    What is then proved for all values of these symbols holds for the functions. Positive are those of exp, and of
+    powers of what is positive.
     """
     positive = []
     parts = [part for part in matrix.atoms(sympy.Function, sympy.Pow) if not _is_rational_power(part)]
     for part in sorted(parts, key=lambda part: (-sympy.count_ops(part), sympy.default_sort_key(part))):
-        is_exponential = isinstance(part, sympy.exp)
-        stand_in = sympy.Dummy(positive=True) if is_exponential else sympy.Dummy(real=True)
-        matrix = matrix.subs(part, stand_in)
-        if is_exponential:
+        if not matrix.has(part):
+            continue
+        is_positive = isinstance(part, sympy.exp) or bool(part.is_positive)
+        stand_in = sympy.Dummy(positive=True) if is_positive else sympy.Dummy(real=True)
+        matrix = matrix.xreplace(_powers_of_root(matrix, part, stand_in))
+        if is_positive:
             positive.append(stand_in)
     return matrix, tuple(positive)
 
 
+def _powers_of_root(matrix: sympy.Matrix, part: Expr, stand_in: Symbol) -> dict[Expr, Expr]:
+    """Return what a function or a root is replaced by, and with a square or cubic root all its powers.
+
+    Of a power such as 1.37 nothing else is a small power, and polynomials of degree 137 take long.
+    """
+    if not (part.is_Pow and part.exp.is_Rational and part.exp.q <= _HIGHEST_ROOT):
+        return {part: stand_in}
+    powers = [one for one in matrix.atoms(sympy.Pow) if one.base == part.base and one.exp.is_Rational]
+    return {one: stand_in ** (one.exp * part.exp.q) for one in powers if one.exp.q == part.exp.q}
+
+
 def is_high(expressions: Iterable[Expr]) -> bool:
     """Return whether an expression is of so high a degree that algebra in the first derivatives would take minutes."""
-    return max(map(_degree, expressions)) > _HIGHEST
+    return max(map(degree_bound, expressions)) > _HIGHEST
 
 
-def _degree(expression: Expr) -> int:
+def degree_bound(expression: Expr) -> int:
     """Return a bound of the degree of the numerator in the first derivatives."""
     if expression.is_Symbol:
         return 1 if expression in FIRST_DERIVATIVES else 2 if expression in METRIC else 0
-    of_parts = [_degree(part) for part in expression.args]
+    of_parts = [degree_bound(part) for part in expression.args]
     if _is_rational_power(expression):
         return max(0, int(expression.exp)) * of_parts[0]
     return sum(of_parts) if expression.is_Mul else max(of_parts, default=0)

@@ -17,11 +17,23 @@ from ...functionals.field_kinds import typical_values
 from ...functionals.metric import INVERSE_TARGET_NAMES, symbol
 from ...functionals.variant import Modes
 from ..admissible import admissible
-from ..coordinates import FIRST_DERIVATIVES, Variant, epsilon, expand_metric, s, y_xi
+from ..coordinates import (
+    FIRST_DERIVATIVES,
+    Variant,
+    differentiate,
+    epsilon,
+    expand_metric,
+    s,
+    x_eta,
+    x_xi,
+    y_eta,
+    y_xi,
+)
 from ..definiteness import Definiteness
 from ..derive.continuous import euler_lagrange
 from ..derive.discrete import corner_model, has_barrier, variant_density
 from ..values import values_of
+from .at_points import vanishes, varies
 from .bounds import LowerBound, lower_bound
 from .ellipticity import Ellipticity, ellipticity, proved_by_operator
 from .invariance import (
@@ -184,28 +196,17 @@ def _rest(functional: Functional, variant: Variant, defaults: dict[sympy.Symbol,
 
 def _is_zero(matrix: sympy.Matrix) -> bool:
     """Return whether a matrix vanishes for all jets."""
-    return all(entry == 0 or (_is_zero_at_a_jet(entry) and sympy.expand(expand_metric(entry)) == 0) for entry in matrix)
-
-
-def _is_zero_at_a_jet(entry: Expr) -> bool:
-    """Try a claim at one point before any algebra."""
-    value = expand_metric(entry)
-    point = {
-        variable: sympy.Rational(i + 3, 2 * i + 5) for i, variable in enumerate(sorted(value.free_symbols, key=str))
-    }
-    return bool(abs(sympy.N(value.subs(point), 30)) < 1e-20)
+    return all(entry == 0 or (vanishes(entry) and sympy.expand(expand_metric(entry)) == 0) for entry in matrix)
 
 
 def _is_linear(matrix: sympy.Matrix, rest: sympy.Matrix) -> bool:
     """Return whether the coefficients are free of x and y, and the rest linear in their derivatives."""
-    entries = [*matrix, *(sympy.diff(expand_metric(part), p) for part in rest for p in FIRST_DERIVATIVES)]
-    return not any(sympy.expand(expand_metric(entry)).free_symbols & {*FIRST_DERIVATIVES} for entry in entries)
+    entries = [*matrix, *(differentiate(part, p) for part in rest for p in FIRST_DERIVATIVES)]
+    return not varies(entries, FIRST_DERIVATIVES)
 
 
 def _is_coupled(matrix: sympy.Matrix, rest: sympy.Matrix) -> bool:
     """Return whether either equation contains the other unknown."""
     if not _is_zero(sympy.Matrix([matrix[0, 1]])):
         return True
-    x_part = sympy.expand(expand_metric(matrix[0, 0])).free_symbols | expand_metric(rest[0]).free_symbols
-    y_part = sympy.expand(expand_metric(matrix[1, 1])).free_symbols | expand_metric(rest[1]).free_symbols
-    return bool(x_part & {y_xi, symbol("y_eta")} or y_part & {symbol("x_xi"), symbol("x_eta")})
+    return varies((matrix[0, 0], rest[0]), (y_xi, y_eta)) or varies((matrix[1, 1], rest[1]), (x_xi, x_eta))

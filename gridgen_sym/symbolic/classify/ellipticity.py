@@ -22,6 +22,7 @@ from sympy import Expr, Symbol
 from ...functionals.choices import CHOICES, branches
 from ..coordinates import METRIC, J, epsilon, x_eta, x_xi, y_eta, y_xi
 from ..definiteness import is_nonnegative, is_positive, without_functions, without_square_roots
+from .frame_determinant import frame_determinant
 from .principal_symbol import is_large, k1, k2
 from .random_jets import SAMPLES, Extremes, Type, extremes, witness
 
@@ -146,11 +147,11 @@ def _charts(matrix: sympy.Matrix, *, turns: bool) -> list[Expr] | None:
     if is_large(matrix) or matrix.has(epsilon):
         return None
     directions = [(sympy.S.One, sympy.S.Zero)] if turns else [(sympy.S.One, _t), (sympy.S.Zero, sympy.S.One)]
-    charts = []
+    charts: list[Expr | None] = []
     for a, b in directions:
         frame = {x_xi: _m * a - _l * b, x_eta: _m * b + _l * a, y_xi: -_n * b, y_eta: _n * a}
-        charts.append(_determinant_of(matrix.subs({k1: a, k2: b}).subs(METRIC).subs(frame)))
-    return charts
+        charts.append(_determinant_of(matrix.xreplace({k1: a, k2: b}), frame))
+    return _if_all_known(charts)
 
 
 def _raw_charts(matrix: sympy.Matrix) -> list[Expr] | None:
@@ -158,9 +159,14 @@ def _raw_charts(matrix: sympy.Matrix) -> list[Expr] | None:
     if is_large(matrix) or matrix.has(epsilon):
         return None
     directions = ((sympy.S.One, _t), (sympy.S.Zero, sympy.S.One))
-    return [_determinant_of(matrix.subs({k1: a, k2: b}).subs(METRIC)) for a, b in directions]
+    return _if_all_known([_determinant_of(matrix.xreplace({k1: a, k2: b}), {}) for a, b in directions])
 
 
-def _determinant_of(matrix: sympy.Matrix) -> Expr:
-    rational, _ = without_functions(matrix)
-    return sympy.factor(rational.applyfunc(sympy.cancel).det())
+def _if_all_known(charts: list[Expr | None]) -> list[Expr] | None:
+    known = [chart for chart in charts if chart is not None]
+    return known if len(known) == len(charts) else None
+
+
+def _determinant_of(matrix: sympy.Matrix, frame: dict[Symbol, Expr]) -> Expr | None:
+    rational, _ = without_functions(matrix.xreplace(dict(METRIC)).xreplace(frame))
+    return frame_determinant(rational, {})

@@ -8,9 +8,10 @@ import sympy
 from sympy import Expr
 
 from ...functionals.metric import symbol
-from ..coordinates import METRIC, J, epsilon, g11, g12, g22, x_eta, x_xi, y_eta, y_xi
+from ..coordinates import J, epsilon, g11, g12, g22, x_eta, x_xi, y_eta, y_xi
 from ..definiteness import almost_everywhere, is_high, without_functions
 from ..derive.discrete import hessian
+from .frame_determinant import frame_determinant
 
 k1, k2 = symbol("k1"), symbol("k2")
 
@@ -39,8 +40,8 @@ def determinant(matrix: sympy.Matrix, *, rotates: bool) -> Expr:
     """
     if not rotates or is_large(matrix) or matrix.has(epsilon) or without_functions(matrix)[0] != matrix:
         return matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
-    framed = matrix.subs(METRIC).subs({x_xi: _p, x_eta: _q, y_xi: 0, y_eta: _r}).applyfunc(sympy.cancel)
-    value = in_invariants(sympy.factor(framed.det()))
+    framed = frame_determinant(matrix, {x_xi: _p, x_eta: _q, y_xi: sympy.S.Zero, y_eta: _r})
+    value = None if framed is None else in_invariants(framed)
     return matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0] if value is None else value
 
 

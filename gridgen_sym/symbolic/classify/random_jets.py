@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
 from ..coordinates import (
+    DEFINITIONS,
     FIRST_DERIVATIVES,
     METRIC,
     J,
@@ -152,8 +153,8 @@ def witness(matrix: sympy.Matrix, found: Extremes) -> tuple[tuple[Symbol, Expr],
     lowest = np.argsort(found.least)[:50]
     phi, symbols = found.angle[lowest], [*found.symbols, k1, k2]
     points = np.concatenate([found.jets[:, lowest], 2 * np.stack([np.cos(phi / 2), np.sin(phi / 2)])])
-    matrix = matrix.applyfunc(expand_metric)
-    evaluate = sympy.lambdify(symbols, matrix[0, 0] * matrix[1, 1] - matrix[0, 1] ** 2, "numpy", cse=True)
+    first, mixed, second = (expand_metric(matrix[place]) for place in ((0, 0), (0, 1), (1, 1)))
+    evaluate = sympy.lambdify(symbols, first * second - mixed**2, "numpy", cse=True)
     for digits in (1, 10, 1000):
         whole = np.round(points * digits)
         with np.errstate(all="ignore"):
@@ -169,5 +170,9 @@ def witness(matrix: sympy.Matrix, found: Extremes) -> tuple[tuple[Symbol, Expr],
 
 def _determinant_at(matrix: sympy.Matrix, values: dict[Symbol, Expr]) -> Expr:
     """Return det A at a point, exactly, or to 30 digits where the density has functions."""
-    value = matrix.subs(values).det()
+    numbers = dict(values)
+    for name, meaning in DEFINITIONS.items():
+        if meaning.free_symbols <= numbers.keys():
+            numbers[name] = meaning.xreplace(numbers)
+    value = matrix.xreplace(numbers).det()
     return value if value.is_Rational else sympy.re(value.evalf(30))

@@ -26,7 +26,7 @@ from .fields import what_drops_out
 from .latex import latex_sentence
 from .printer import symbol_name
 from .stationary import stationary, stationary_variants, weightless
-from .tidy import tidy_quadratic
+from .tidy import tidy_quadratic, without_common_terms
 
 _INTEGRAL = r"\int_0^1 \int_0^1 F \, d\xi \, d\eta"
 _MAP = r"""Let $x(\xi, \eta)$ and $y(\xi, \eta)$ map the unit square onto the domain. Subscripts denote partial
@@ -117,7 +117,7 @@ def _classification(functional: Functional, equations: Equations) -> Iterator[st
     found = classify(functional)
     yield "\\subsection{Classification}"
     whole = equations.indicators.write(found.symbol)
-    entries = whole.applyfunc(lambda entry: tidy_quadratic(entry, (k1, k2)))
+    entries = whole.applyfunc(lambda entry: tidy_quadratic(entry, k1, k2))
     symbol = equations.matrix("symbol", "A(k)", entries, ".", entry="a")
     determinant = equations.named("symbol-determinant", r"\det A(k)", _determinant(found, symbol, equations))
     yield prose.joined(
@@ -142,4 +142,4 @@ def _determinant(found: Classification, symbol: str, equations: Equations) -> Ex
     if found.determinant == a * d - b * c and "a_{11}" in symbol:
         a, b, d = (sympy.Symbol(f"a{place}") for place in ("11", "12", "22"))
         return a * d - b**2
-    return sympy.factor_terms(equations.indicators.write(found.determinant))
+    return without_common_terms(equations.indicators.write(found.determinant))

@@ -18,7 +18,7 @@ from ..coordinates import FIRST_DERIVATIVES, Variant, s
 from ..derive.continuous import EulerLagrange, euler_lagrange
 from ..derive.discrete import CornerModel, corner_model
 from .fields import control_functions, declarations, matrix_name, what_drops_out
-from .tidy import common_factor, paper_order, tidy, tidy_quadratic
+from .tidy import common_factor, paper_order, tidy, tidy_quadratic, without_common_terms
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,8 +181,8 @@ def _classification(found: Classification) -> Iterator[Item]:
             f"The first derivatives of F jump or do not exist where {kink} = 0: the equations and their type are those "
             "elsewhere, and a minimum at such a kink need not solve the equations."
         )
-    yield ("A(k)", found.symbol.applyfunc(lambda entry: tidy_quadratic(entry, (k1, k2))))
-    yield ("det A(k)", sympy.factor_terms(found.determinant))
+    yield ("A(k)", found.symbol.applyfunc(lambda entry: tidy_quadratic(entry, k1, k2)))
+    yield ("det A(k)", without_common_terms(found.determinant))
     yield f"Null Lagrangian: {_yes(found.null_lagrangian)}. Barrier at J = 0: {_yes(found.barrier)}."
     yield (
         f"Invariant under translation: {_yes(found.translation)}; rotation: {_yes(found.rotation)}; "

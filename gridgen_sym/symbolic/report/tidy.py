@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import lru_cache
 
 import sympy
@@ -11,11 +11,14 @@ from sympy import Expr, Symbol
 from ...functionals.choices import CHOICES, choice
 from ...functionals.metric import symbol
 from ..coordinates import SECOND_DERIVATIVES, expand_metric, g11, g22
-from ..definiteness import almost_everywhere, is_high
+from ..definiteness import almost_everywhere, degree_bound, is_high
 from ..derive.in_metric import in_metric
 
 #: More operations than this, and an expression is left as it was derived: factoring it would take too long.
 _LARGEST = 600
+#: Where the degree in the first derivatives is higher than this, as for those below.
+_HIGHEST = 6
+_LARGEST_FACTORED = 2000
 #: The metric is written out up to this size, and where the degree is not high: factors in four variables take long.
 _LARGEST_WRITTEN = 100
 #: Expressions with roots and more symbols than this are not factored.
@@ -33,7 +36,7 @@ def tidy(expression: Expr) -> Expr:
     """
     expression, roots = _without_roots(_merged(almost_everywhere(sympy.sympify(expression))))
     size = sympy.count_ops(expression)
-    if not expression.is_rational_function(*expression.free_symbols) or size > _LARGEST:
+    if not _is_short(expression):
         return expression.subs(roots)
     if roots and len(expression.free_symbols) > _MOST_SYMBOLS:
         return min((expression, sympy.factor_terms(sympy.together(expression))), key=_effort).subs(roots)
@@ -43,6 +46,13 @@ def tidy(expression: Expr) -> Expr:
     if size <= _LARGEST_WRITTEN and not is_high([expression]):
         single.append(in_metric(sympy.factor(expand_metric(expression))))
     return min((expression, *map(sympy.factor_terms, single)), key=_effort).subs(roots)
+
+
+def _is_short(expression: Expr) -> bool:
+    """Return whether an expression is a quotient of polynomials that are factored quickly."""
+    largest = _LARGEST if degree_bound(expression) <= _HIGHEST else _LARGEST_WRITTEN
+    rational = expression.is_rational_function(*expression.free_symbols)
+    return bool(rational) and bool(sympy.count_ops(expression) <= largest)
 
 
 def _effort(expression: Expr) -> int:
@@ -96,11 +106,24 @@ def _merged_product(*factors: Expr) -> Expr:
     return number * result
 
 
-def tidy_quadratic(expression: Expr, variables: Sequence[Symbol]) -> Expr:
-    """Return a polynomial in some variables with tidy coefficients, and with what they have in common taken out."""
-    terms = sympy.Poly(expression, *variables).terms()
-    parts = [(sympy.prod(map(sympy.Pow, variables, powers)), tidy(factor)) for powers, factor in terms]
-    return sympy.factor_terms(sympy.Add(*(monomial * factor for monomial, factor in parts)))
+def tidy_quadratic(expression: Expr, first: Symbol, second: Symbol) -> Expr:
+    """Return a quadratic form in two variables with tidy coefficients, and with what they have in common taken out."""
+    if _is_short(expression):
+        terms = sympy.Poly(expression, first, second).terms()
+        coefficients = {first**m * second**n: factor for (m, n), factor in terms}
+    else:
+        one, zero = sympy.S.One, sympy.S.Zero
+        coefficients = {
+            first**2: expression.xreplace({first: one, second: zero}),
+            first * second: sympy.diff(expression, first, second).xreplace({first: zero, second: zero}),
+            second**2: expression.xreplace({first: zero, second: one}),
+        }
+    return without_common_terms(sympy.Add(*(monomial * tidy(factor) for monomial, factor in coefficients.items())))
+
+
+def without_common_terms(expression: Expr) -> Expr:
+    """Return an expression with what its terms have in common taken out, unless it is long: that would take seconds."""
+    return expression if sympy.count_ops(expression) > _LARGEST_FACTORED else sympy.factor_terms(expression)
 
 
 def paper_order(component: int) -> tuple[Symbol, ...]:
