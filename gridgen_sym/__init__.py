@@ -18,13 +18,13 @@ Example:
 
 from __future__ import annotations
 
+from . import startup  # noqa: F401 - before anything else: it listens to Ctrl-C
+
+# isort: split
+
 import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
-
-from . import startup  # noqa: F401 - before anything heavy: it listens to Ctrl-C
-
-# isort: split
 
 from .errors import GridgenError as GridgenError
 from .errors import MissingExtraError as MissingExtraError

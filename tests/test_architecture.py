@@ -36,6 +36,7 @@ SHARED = {
     "deprecation",
     "errors",
     "messages",
+    "options",
     "parsing",
     "resources",
     "startup",

@@ -67,23 +67,23 @@ def adapt(
             values.
         weight_exponent: the power of the density of nodes that the weight of the functional is; needed for functionals
             of your own.
-        parameters: of the functional.
-        fields: values of the fields that its density declares, as in `optimize`.
+        parameters: values of the functional's parameters.
+        fields: values of the fields that the density declares, as in `optimize`.
         target: what cells should be like, beside the weight, as in `optimize`.
         max_iterations: at most so many steps.
         moves: of the nodes in each step, with the density interpolated between. By default 3 for a solver, 1 else.
         damping: how far the first step goes from the weight of the start to the one of the density, above 0 and at most
             1, by geometric means; Aitken's rule chooses it in the next steps.
         tolerance: the grid has settled when no node moves farther in a step, over the size of the domain.
-        boundary: `straight`: nodes slide along the straight stretches of every side, which changes no shape; `all`:
-            along every side, on splines through its nodes between sharp turns, which cuts off what lies between two
-            nodes; `fixed`: they stay. Corners and sharp turns always stay.
+        boundary: where boundary nodes slide. `straight`: along the straight stretches of every side, which changes no
+            shape; `all`: along every side, on splines through its nodes between sharp turns, which cuts off what lies
+            between two nodes; `fixed`: they stay. Corners and sharp turns always stay.
         fixed: (ni, nj) mask of nodes that do not move.
         callback: called with every `AdaptStep`; may raise StopIteration to stop.
-        time_limit: seconds after which to stop; untangling a folded start counts. Your own solver is not stopped while
-            it works.
+        time_limit: seconds after which the best grid is returned; untangling a folded start counts. Your own solver is
+            not stopped while it works.
         progress: show progress on standard error; by default where that is a terminal.
-        backend: `c` or `numpy`.
+        backend: `c`, `numpy`, or one that is installed.
 
     Returns:
         The result; see its `status` and `message`. Ctrl-C, the callback and the time limit give the last grid whose

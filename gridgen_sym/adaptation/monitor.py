@@ -98,9 +98,10 @@ class Monitor:
     """How the density of nodes follows from a solution; the module's docstring has the formulas.
 
     Attributes:
-        measure: a name (`gradient`, `arc_length`, `curvature`, `recovery_error`, `hierarchical_error`, `values`), or
-            your own function of the grid and the nodal values (ni, nj) that returns m >= 0, (ni, nj).
-        feature_fraction: the fraction of the nodes that features are to have, at least 0 and below 1; not used by
+        measure: what the density of nodes is made of: a name (`gradient`, `arc_length`, `curvature`, `recovery_error`,
+            `hierarchical_error`, `values`), or your own function of the grid and the nodal values (ni, nj) that returns
+            m >= 0, (ni, nj).
+        feature_fraction: the fraction of the nodes that features get, at least 0 and below 1; not used by
             `values`.
         smoothing: how often the density is averaged over 3 x 3 nodes with binomial weights, in the logical square:
             cells grow more gently, and the adaptation settles sooner. After n passes a jump is about 2 sqrt(n) wide.

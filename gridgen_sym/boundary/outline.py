@@ -59,13 +59,13 @@ class Outline:
         Args:
             points: shape (N, 2), N >= 4, finite, no two in succession equal, not crossing itself. Copies of the first
                 point at the end, by which many programs mark a closed curve, are left out.
-            corners: four indices in the order of the points; or N marks, 1 at the four corners and 0 elsewhere, as
-                pygridgen's `beta`; or 'auto': the best four for a square of cells, see `choose_corners`. The points
-                are rolled so that the first corner comes first. Indices and marks of copies of the first point are
-                those of that point.
+            corners: corners of the outline: four indices in the order of the points; or N marks, 1 at the four corners
+                and 0 elsewhere, as pygridgen's `beta`; or 'auto': the best four for a square of cells, see
+                `choose_corners`. The points are rolled so that the first corner comes first. Indices and marks of
+                copies of the first point are those of that point.
             name: what to call it in messages.
-            reorient: run a clockwise curve backwards from its second corner, which is reported: bottom and top stay on
-                their curves, left and right are exchanged. Without it such a curve is refused.
+            reorient: whether a clockwise curve is reversed, from its second corner, which is reported: bottom and top
+                stay on their curves, left and right are exchanged. Without it such a curve is refused.
 
         Raises:
             GridgenError: naming the outline, the fault, its position and the repair.
@@ -105,7 +105,8 @@ class Outline:
 
         Args:
             path: the file.
-            corners: instead of those of the file, which then need not have any; as for `Outline`.
+            corners: corners of the outline instead of those of the file, which then need not have any; as for
+                `Outline`.
             reorient: as for `Outline`.
 
         Raises:
@@ -182,11 +183,13 @@ class Outline:
             ni: nodes along bottom and top.
             nj: nodes along left and right.
             corners: as for `choose_corners`; a moved corner is reported on standard error.
-            sampling: 'features' keeps sharp turns of the outline as nodes where there are nodes enough, and lets the
-                spacing vary smoothly between them; 'equal' has nodes at equal arc lengths of each side's polygon.
-            spacing: laws of the sides that have one, by side, instead of the sampling: `{"left": "tanh:first=1e-3"}`;
-                `"LAW:first=LENGTH,last=LENGTH"` with `geometric`, `tanh` or `sinh`, `"LAW:at=FRACTION,size=LENGTH"`,
-                `"equal"`, or an array of fractions of the side's length. Sides run as those of a grid do.
+            sampling: boundary nodes on sharp turns of the outline, or at equal arc lengths. 'features' keeps sharp
+                turns as nodes where there are nodes enough, and lets the spacing vary smoothly between them; 'equal'
+                takes equal arc lengths of each side's polygon.
+            spacing: laws for the boundary nodes of sides, by side, instead of the sampling: `{"left":
+                "tanh:first=1e-3"}`; `"LAW:first=LENGTH,last=LENGTH"` with `geometric`, `tanh` or `sinh`,
+                `"LAW:at=FRACTION,size=LENGTH"`, `"equal"`, or an array of fractions of the side's length. Sides run as
+                those of a grid do.
 
         Raises:
             GridgenError: as for `choose_corners`, and for a law that cannot be read or has no place on its side.

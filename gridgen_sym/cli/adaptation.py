@@ -8,45 +8,33 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..options import ADAPTATION
 from .base import functionals_option
-from .field import OUTSIDE_HELP, field_of
+from .field import field_of, outside_option
+from .options import option
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import parameters_of, start_grid, start_options
-from .types import SizedCommand, integer, number
+from .types import SizedCommand, number
 
 if TYPE_CHECKING:
     from ..adaptation import AdaptResult
     from ..fields.outside import Outside
 
-_MONITORS = ("curvature", "gradient", "arc_length", "recovery_error", "hierarchical_error", "values")
-
 
 @click.command(cls=SizedCommand)
 @click.argument("input")
 @click.option("--to", required=True, metavar="FIELD", help="A formula in x and y, or a .npz or .csv file; see above.")
-@click.option("--outside", type=click.Choice(("error", "nearest")), default="error", help=OUTSIDE_HELP)
-@click.option(
-    "--monitor",
-    type=click.Choice(_MONITORS),
-    default="curvature",
-    show_default=True,
-    help="What nodes are drawn to; 'values' takes FIELD for the density of nodes.",
-)
-@click.option("--feature-fraction", type=number, help="Fraction of the nodes that features get.  [default: 0.75]")
+@outside_option
+@option(ADAPTATION["monitor"], more="; 'values' takes FIELD itself")
+@option(ADAPTATION["feature_fraction"])
 @click.option("--share", type=number, hidden=True, help="The old name of --feature-fraction.")
-@click.option("--smoothing", type=integer, help="Passes of the average of the density.  [default: 2]")
-@click.option("--max-iterations", "--steps", type=integer, help="At most so many steps.  [default: 30]")
-@click.option(
-    "--boundary",
-    type=click.Choice(("straight", "all", "fixed")),
-    help="Where boundary nodes slide.  [default: straight]",
-)
-@click.option("-f", "--functional", metavar="NAME", help="What is minimized.  [default: area_winslow]")
-@click.option(
-    "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Of the functional. May be repeated."
-)
+@option(ADAPTATION["smoothing"])
+@option(ADAPTATION["max_iterations"], "--max-iterations", "--steps")
+@option(ADAPTATION["boundary"])
+@option(ADAPTATION["functional"], "-f", "--functional", metavar="NAME")
+@option(ADAPTATION["parameters"], "--parameter", "parameters", multiple=True, metavar="NAME=VALUE")
 @start_options
-@click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid is returned.")
+@option(ADAPTATION["time_limit"], metavar="SECONDS")
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
@@ -55,7 +43,7 @@ def adapt(
     input: str,
     to: str,
     outside: Outside,
-    monitor: str,
+    monitor: str | None,
     feature_fraction: float | None,
     share: float | None,
     smoothing: int | None,
@@ -79,13 +67,12 @@ def adapt(
         options["progress"] = False
     check_outputs(output, plot)
     fraction = share if feature_fraction is None else feature_fraction
-    given_to_monitor = {"feature_fraction": fraction, "smoothing": smoothing}
-    knobs = {name: value for name, value in given_to_monitor.items() if value is not None}
-    chosen = Monitor(monitor, **knobs)  # type: ignore[arg-type]
+    of_monitor = {"measure": monitor, "feature_fraction": fraction, "smoothing": smoothing}
+    chosen = Monitor(**{name: value for name, value in of_monitor.items() if value is not None})  # type: ignore[arg-type]
     field = field_of(to, smooth=monitor != "values", outside=outside)
     boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient")}
     given = {key: value for key, value in options.items() if value is not None}
-    given["parameters"] = parameters_of(given.get("functional", "area_winslow"), parameters)
+    given["parameters"] = parameters_of(given.get("functional", ADAPTATION["functional"].default), parameters)
     start = start_grid(input, **boundary)
     begin = Announcement(quiet, input, start)
     result = run(start, field, monitor=chosen, callback=begin, **given)

@@ -4,71 +4,37 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
+from ..options import AIRFOIL
+from .options import option
 from .output import certify_and_draw, check_outputs, report
-from .types import SizedCommand, integer, number
-
-if TYPE_CHECKING:
-    from ..boundary.airfoil_sides import Kind
+from .types import SizedCommand
 
 
 @click.command(cls=SizedCommand)
 @click.argument("section")
-@click.option("--type", "kind", type=click.Choice(("C", "O")), default="C", show_default=True, help="C- or O-grid.")
-@click.option(
-    "--first",
-    type=number,
-    default="1e-5",
-    show_default=True,
-    metavar="HEIGHT",
-    help="Height of the first cells, in the unit of the section.",
-)
-@click.option(
-    "--growth",
-    type=number,
-    metavar="FACTOR",
-    help="From one height to the next.  [default: what reaches the outer boundary]",
-)
-@click.option(
-    "--far", type=number, default="20", show_default=True, metavar="CHORDS", help="Distance of the outer boundary."
-)
-@click.option(
-    "--size",
-    type=integer,
-    nargs=2,
-    default=("96", "64"),
-    show_default=True,
-    metavar="NI NJ",
-    help="Cells on the airfoil and outwards; also NIxNJ.",
-)
-@click.option("--wake", type=integer, default="40", show_default=True, help="Cells along the wake of a C-grid.")
-@click.option("--leading", type=number, metavar="CHORDS", help="Cells at the leading edge.  [default: 1/8 of the mean]")
-@click.option(
-    "--trailing", type=number, metavar="CHORDS", help="Cells at the trailing edge.  [default: 1/6 of the mean]"
-)
-@click.option("--blunt", is_flag=True, help="The trailing edge of a NACA number has its published thickness.")
+@option(AIRFOIL["kind"], "--type", "kind")
+@option(AIRFOIL["first"], metavar="HEIGHT")
+@option(AIRFOIL["growth"], metavar="FACTOR")
+@option(AIRFOIL["far"], metavar="CHORDS")
+@option(AIRFOIL["cells"], "--size", "cells", more="; also NIxNJ", nargs=2, metavar="NI NJ")
+@option(AIRFOIL["wake"])
+@option(AIRFOIL["leading"], metavar="CHORDS")
+@option(AIRFOIL["trailing"], metavar="CHORDS")
+@option(AIRFOIL["blunt"])
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
-@click.option("--backend", metavar="NAME", help="c, numpy, or one that is installed.  [default: c if possible]")
+@option(AIRFOIL["backend"], metavar="NAME")
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 def airfoil(
     section: str,
-    kind: Kind,
-    first: float,
-    growth: float | None,
-    far: float,
-    size: tuple[int, int],
-    wake: int,
-    leading: float | None,
-    trailing: float | None,
-    blunt: bool,
     output: str | None,
     plot: str | None,
-    backend: str | None,
     quiet: bool,
+    **options: Any,  # noqa: ANN401
 ) -> None:
     """Make a C- or an O-grid around SECTION: a NACA number such as naca2412 or naca23012, or a .dat file.
 
@@ -80,20 +46,8 @@ def airfoil(
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
     check_outputs(output, plot)
-    result = airfoil_grid(
-        section,
-        kind,
-        first=first,
-        growth=growth,
-        far=far,
-        cells=size,
-        wake=wake,
-        leading=leading,
-        trailing=trailing,
-        blunt=blunt,
-        progress=False if quiet else None,
-        backend=backend,
-    )
+    given = {key: value for key, value in options.items() if value is not None}
+    result = airfoil_grid(section, progress=False if quiet else None, **given)
     if result.converged:
         report(quiet, f"converged in {result.iterations} iterations: {result.message}")
     else:
@@ -102,6 +56,7 @@ def airfoil(
     if output:
         result.grid.write(output)
         report(quiet, f"wrote {output}")
+    kind = given.get("kind", AIRFOIL["kind"].default)
     certify_and_draw(result.grid, plot, f"{Path(section).stem}: {kind}-grid", quiet, result)
     if not result.quality.valid:
         raise click.exceptions.Exit(1)

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..atomic import read_bytes
 from ..errors import GridgenError, quoted, shortened
+from ..options import SAMPLES
+from .options import option
 
 if TYPE_CHECKING:
     from ..fields import Field, Target
@@ -21,7 +23,9 @@ _ARRAYS = "expected the arrays x (nx,), y (ny,) and values (nx, ny), or values (
 _SAMPLES = "expected the header x,y,value and one sample per line"
 #: A cubic needs so many samples; its slopes are what most monitors look at.
 _FEWEST_SMOOTH = 4
-OUTSIDE_HELP = "Outside the samples of a file: refuse such nodes, or take the nearest sample.  [default: error]"
+_OUTSIDE = SAMPLES["outside"]
+#: Adds `--outside` to a command.
+outside_option = option(_OUTSIDE, more=" of a file, or take the nearest sample", default=_OUTSIDE.default)
 _FIELD = (
     "--field is written NAME=VALUE, NAME:logical=VALUE or NAME:differentiated=VALUE, such as M='(1 + x**2, 0, 1)' or "
     "p:logical='1 + xi'"

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import click
 
 from ..errors import GridgenError
+from ..options import SOLVERS, WEIGHT
 from .base import functionals_option
-from .field import OUTSIDE_HELP, control_of, field_of, fields_of, target_of
+from .field import control_of, field_of, fields_of, outside_option, target_of
+from .options import option
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import continuation_of, parameters_of, start_grid, start_options
-from .types import SizedCommand, integer, number
-from .walls import WALL_HELP, walls_of
+from .types import SizedCommand
+from .walls import WALLS, walls_of
 
 if TYPE_CHECKING:
     from ..fields import Weight
@@ -27,7 +29,13 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 
 @click.command(cls=SizedCommand)
 @click.argument("input")
-@click.option("-f", "--functional", "name", required=True, metavar="NAME", help="See 'gridgen-sym functionals'.")
+@option(
+    SOLVERS["functional"],
+    *("-f", "--functional", "name"),
+    more="; see 'gridgen-sym functionals'",
+    required=True,
+    metavar="NAME",
+)
 @click.option(
     "--solver",
     type=click.Choice(_SOLVERS),
@@ -38,66 +46,51 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @start_options
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz or .cgns.")
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
-@click.option(
-    "--weight",
+@option(
+    SOLVERS["weight"],
+    more=": a formula such as '1 + 5*exp(-20*(x**2 + y**2))', or a .npz or .csv file as for 'adapt --to'",
     metavar="FIELD",
-    help="Adaptive weight s(x, y): a formula such as '1 + 5*exp(-20*(x**2 + y**2))', or a .npz or .csv file as for "
-    "'adapt --to'.",
 )
-@click.option(
-    "--weight-mode",
-    type=click.Choice(("frozen", "differentiated")),
-    help="Hold the weight at the nodes, or differentiate through it.  [default: frozen]",
-)
-@click.option("--allow-negative-weight", is_flag=True, help="Accept a weight that is negative somewhere.")
-@click.option(
-    "--field",
-    "fields",
+@option(WEIGHT["mode"], "--weight-mode")
+@option(WEIGHT["allow_negative"], "--allow-negative-weight")
+@option(
+    SOLVERS["fields"],
+    *("--field", "fields"),
+    more=": a formula in x and y, several in parentheses, or a file as for --weight (with the components along the "
+    "first axis of 'values', or in columns after x,y): M='(1 + x**2, 0, 1)'. NAME:logical=VALUE is a formula in xi and "
+    "eta; NAME:differentiated=VALUE belongs to the energy",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Values of a field that the functional declares: a formula in x and y, several in parentheses, or a file as "
-    "for --weight (with the components along the first axis of 'values', or in columns after x,y): "
-    "M='(1 + x**2, 0, 1)'. NAME:logical=VALUE is a formula in xi and eta; NAME:differentiated=VALUE belongs to the "
-    "energy. May be repeated.",
 )
-@click.option("--outside", type=click.Choice(("error", "nearest")), default="error", help=OUTSIDE_HELP)
-@click.option(
-    "--target",
+@outside_option
+@option(
+    SOLVERS["target"],
+    more=": a grid file of the same size (its cells), or two edge lengths and an angle in degrees, formulas in xi and "
+    "eta: '0.01*(1 + xi), 0.02, 90'",
     metavar="TARGET",
-    help="What cells should be like: a grid file of the same size (its cells), or two edge lengths and an angle in "
-    "degrees, formulas in xi and eta: '0.01*(1 + xi), 0.02, 90'.",
 )
-@click.option("--wall", "walls", multiple=True, metavar="SIDE:first=HEIGHT,...", help=WALL_HELP)
-@click.option(
-    "--slide", metavar="SIDES", help="Sides whose nodes slide along them: all, or bottom,top (newton, local)."
-)
-@click.option(
-    "--control",
+@option(SOLVERS["walls"], "--wall", "walls", more=WALLS, multiple=True, metavar="SIDE:first=HEIGHT,...")
+@option(SOLVERS["slide"], more=": all, or bottom,top (newton, local)", metavar="SIDES")
+@option(
+    SOLVERS["control"],
+    more=" of winslow's equations: formulas in xi and eta, such as '-2*xi, 0'; thomas-middlecoff, from the spacing of "
+    "the boundary nodes (euler-lagrange and relaxation); or hilgenstock-white, from --wall (euler-lagrange)",
     metavar="P,Q",
-    help="Control functions of winslow's equations: formulas in xi and eta, such as '-2*xi, 0'; thomas-middlecoff, "
-    "from the spacing of the boundary nodes (euler-lagrange and relaxation); or hilgenstock-white, from --wall "
-    "(euler-lagrange).",
 )
-@click.option(
-    "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", help="Set a parameter. May be repeated."
-)
+@option(SOLVERS["parameters"], "--parameter", "parameters", multiple=True, metavar="NAME=VALUE")
 @click.option(
     "--continuation",
     metavar="NAME=V1,V2,...",
     help="Minimize for one value of a parameter after the other, each time from the last grid: omega=1,0.1,0.01 "
     "(newton and local).",
 )
-@click.option("--tolerance", type=number, help="Factor by which the gradient or the residual must fall.")
-@click.option("--max-iterations", type=integer, help="Newton steps, or sweeps.")
-@click.option("--time-limit", type=number, metavar="SECONDS", help="Seconds after which the best grid is returned.")
-@click.option("--keep-valid/--no-keep-valid", default=None, help="Keep a valid grid valid at every step.")
-@click.option("--interior-only", is_flag=True, help="Sum over corners at inner nodes only (newton and local).")
-@click.option(
-    "--spacing",
-    type=click.Choice(("unit", "index")),
-    help="Logical steps: of the unit square, or of the index (the paper's literal sums).  [default: unit]",
-)
-@click.option("--backend", metavar="NAME", help="c, numpy, or one that is installed.  [default: c if possible]")
+@option(SOLVERS["tolerance"])
+@option(SOLVERS["max_iterations"])
+@option(SOLVERS["time_limit"], metavar="SECONDS")
+@option(SOLVERS["keep_valid"])
+@option(SOLVERS["interior_only"], more=" (newton and local)")
+@option(SOLVERS["spacing"], more=": of the unit square, or of the index (the paper's literal sums)")
+@option(SOLVERS["backend"], metavar="NAME")
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 @functionals_option
 def grid(input: str, name: str, output: str | None, plot: str | None, quiet: bool, **options: Any) -> None:  # noqa: ANN401

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..errors import GridgenError, quoted
+from ..options import OUTLINE
 from ..parsing import number_in, whole_number_in
+from .options import option
 from .types import integer
 
 if TYPE_CHECKING:
@@ -25,34 +27,24 @@ _OPTIONS = (
         metavar="NI NJ",
         help="Number of cells along xi and eta; also NIxNJ.  [default: 40 40]",
     ),
-    click.option(
-        "--corners", metavar="CORNERS", help="Of an outline: auto, or four indices of points such as '0,10,20,30'."
-    ),
-    click.option(
-        "--sampling",
-        type=click.Choice(("features", "equal")),
-        help="Boundary nodes of an outline: on its sharp turns, or at equal arc lengths.  [default: features]",
-    ),
-    click.option(
-        "--side",
-        "sides",
+    option(OUTLINE["corners"], more=": auto, or four indices of points such as '0,10,20,30'", metavar="CORNERS"),
+    option(OUTLINE["sampling"]),
+    option(
+        OUTLINE["spacing"],
+        *("--side", "sides"),
+        more=" of an outline: left=tanh:first=1e-3,last=1e-2 (or geometric, sinh), bottom=tanh:at=0.4,size=1e-3, or "
+        "top=equal",
         multiple=True,
         metavar="SIDE=LAW",
-        help="Spacing of the boundary nodes of an outline's side: left=tanh:first=1e-3,last=1e-2 (or geometric, sinh), "
-        "bottom=tanh:at=0.4,size=1e-3, or top=equal. May be repeated.",
     ),
-    click.option(
-        "--reorient/--no-reorient",
-        default=True,
-        help="Whether an outline or a grid file that runs clockwise is reversed.  [default: reorient]",
-    ),
+    option(OUTLINE["reorient"], more=": an outline, or the boundary of a grid file"),
 )
 
 
 def start_options(command: _Command) -> _Command:
     """Add to a command the options that `start_grid` takes."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
+    for add in reversed(_OPTIONS):
+        command = add(command)
     return command
 
 
@@ -88,9 +80,9 @@ def start_grid(
     is_file = suffix in known_suffixes() or Path(source).is_file()
     if is_file and (suffix not in known_suffixes() or (suffix == ".csv" and not _has_nodes(source))):
         return _outline_grid(source, (ni, nj), corners, sampling, sides, reorient)
-    for option, value in (("--corners", corners), ("--sampling", sampling), ("--side", sides or None)):
+    for flag, value in (("--corners", corners), ("--sampling", sampling), ("--side", sides or None)):
         if value is not None:
-            raise GridgenError(f"{option} belongs to an outline (a text file of points x,y), which {source} is not")
+            raise GridgenError(f"{flag} belongs to an outline (a text file of points x,y), which {source} is not")
     if is_file:
         return _grid_file(source, size, reorient)
     key, _, rest = source.partition(":")

@@ -11,9 +11,10 @@ if TYPE_CHECKING:
     from ..boundary.wall import Wall
 
 _FORM = "write it as side:first=HEIGHT,growth=FACTOR, for example bottom:first=1e-5,growth=1.2"
-WALL_HELP = (
-    "Cells at a side (bottom, right, top, left): 'bottom:first=1e-5,growth=1.2', with law=geometric, tanh or sinh, "
-    "layers, share, orthogonal=no and nodes=24-89. May be repeated."
+#: What `--wall` says besides.
+WALLS = (
+    " (bottom, right, top, left): 'bottom:first=1e-5,growth=1.2', with law=geometric, tanh or sinh, "
+    "layers, share, orthogonal=no and nodes=24-89"
 )
 _KEYS = ("first", "growth", "law", "layers", "share", "orthogonal", "nodes")
 

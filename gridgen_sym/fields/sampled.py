@@ -84,7 +84,7 @@ def scattered_field(
         points: (n, 2), at least three, not all on one line.
         values: (n,).
         smooth: whether slopes must be continuous.
-        outside: whether grids with nodes outside the convex hull are refused (`error`), or the `nearest` sample counts.
+        outside: refuse nodes outside the samples (`error`), or take the `nearest` sample: outside the convex hull.
 
     Raises:
         GridgenError: for other shapes, samples that are not finite, or points on one line.
@@ -116,7 +116,7 @@ def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False, outsi
         grid: the grid of the samples.
         values: (ni, nj), one per node, or (ni-1, nj-1), one per cell.
         smooth: whether slopes must be continuous.
-        outside: whether grids with nodes outside this one are refused (`error`), or the `nearest` sample counts.
+        outside: refuse nodes outside the samples (`error`), or take the `nearest` sample.
 
     Raises:
         GridgenError: for values of another shape, or that are not finite.
@@ -158,8 +158,7 @@ def raster_field(
         y: (ny,), the same.
         values: (nx, ny): the first axis is x. Images are often stored vice versa: pass their transpose.
         smooth: whether first and second derivatives must be continuous.
-        outside: whether grids with nodes outside the raster are refused (`error`), or the `nearest` value of its edge
-            counts.
+        outside: refuse nodes outside the samples (`error`), or take the `nearest` value of the raster's edge.
 
     Raises:
         GridgenError: for other shapes, coordinates that are not in order, or samples that are not finite.

@@ -31,9 +31,9 @@ class Weight:
             function of two arrays (x, y), or (only with mode `frozen`) an array with one value per node, per cell, or
             per corner (4, ni-1, nj-1) in the order of `corner_jacobians`. Fields known by samples come from `on_grid`,
             `on_raster` and `on_points`.
-        mode: `frozen`: s is held at the nodes and evaluated again between steps, so that s·J becomes constant
-            for the area functional; `differentiated`: s(x, y) belongs to the energy that is minimized, so that
-            sqrt(s)·J becomes constant.
+        mode: hold the weight at the nodes, or differentiate through it. `frozen`: s is evaluated again between steps,
+            so that s·J becomes constant for the area functional; `differentiated`: s(x, y) belongs to the energy that
+            is minimized, so that sqrt(s)·J becomes constant.
         allow_negative: accept a weight that is negative somewhere. The weighted area energy has no lower
             bound then; results report it.
         field: made of the source.

@@ -41,20 +41,20 @@ def airfoil_grid(
     Args:
         section: a NACA number of four or five digits (`naca2412`), the path of a `.dat` file in Selig's form, or points
             (n, 2) from the trailing edge around to it. Its coordinates stay; the flow comes along x.
-        kind: `C`, with a cut along the wake, or `O`.
+        kind: type of the grid: `C`, with a cut along the wake, or `O`.
         first: height of the first cells at the airfoil, in the unit of the section; see `first_height`.
         growth: factor from one height to the next; by default the one that reaches the outer boundary.
         far: distance of the outer boundary from the airfoil, in chords.
-        cells: their even number on the airfoil, and the number from it outwards.
-        wake: the number of cells along the wake of a C-grid.
+        cells: numbers of cells on the airfoil, which is even, and outwards.
+        wake: number of cells along the wake of a C-grid.
         leading: length of the cells at the leading edge, in chords; by default an eighth of the mean one.
-        trailing: the same at the trailing edge; by default a sixth.
+        trailing: length of the cells at the trailing edge, in chords; by default a sixth of the mean one.
         blunt: whether a section of a NACA number has the published thickness of its trailing edge; else it is sharp.
             That of a file is what its ends make it. Four more cells lie on each half of a blunt edge.
         callback: as of `optimize`, as are the next ones.
-        time_limit: seconds.
+        time_limit: as in `optimize`.
         progress: show progress.
-        backend: `c` or `numpy`.
+        backend: `c`, `numpy`, or one that is installed.
 
     Returns:
         The result; `result.quality.sides["bottom"]` has heights and angles, at the nodes of the cut too.

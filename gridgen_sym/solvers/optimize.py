@@ -81,8 +81,8 @@ def optimize(
             a `LayoutResult`.
         functional: what is minimized: a `Functional`, or its name.
         method: `newton` moves all nodes at once; `local` is the paper's method, one node at a time.
-        weight: the paper's adaptive function: formula, function, array or `Weight`. A density that does not name
-            the weight is multiplied by it.
+        weight: adaptive weight s(x, y): formula, function, array or `Weight`. A density that does not name the weight
+            is multiplied by it.
         fields: values of the fields that the density declares, by name: for each a `Field`, or what one is made of.
         target: what cells should be like; the metric is taken relative to it, in any functional. A `Target`, or a
             reference grid of the same shape.
@@ -94,12 +94,12 @@ def optimize(
             by a node of the result: by which one, is chosen for a functional with a barrier, unless there are walls or
             a target.
         fixed: (ni, nj) mask of inner nodes that do not move.
-        parameters: of the functional.
-        tolerance: factor by which the gradient's norm must fall; by default 1e-6, and by Newton's method to a target
-            1e-12: where a valid grid attains the target, ten digits of it are found.
-        max_iterations: sweeps, or Newton steps, on the grid itself; steps of untangling and on coarser grids are
+        parameters: values of the functional's parameters.
+        tolerance: factor by which the norm of the gradient or the residual must fall; by default 1e-6, and by Newton's
+            method to a target 1e-12: where a valid grid attains the target, ten digits of it are found.
+        max_iterations: Newton steps, or sweeps, on the grid itself; steps of untangling and on coarser grids are
             not counted. With 0 a start that needs no untangling comes back as it is.
-        keep_valid: no step may make the smallest Jacobian of a valid grid non-positive. Barrier functionals
+        keep_valid: keep a valid grid valid: no step may make its smallest Jacobian non-positive. Barrier functionals
             never do, except at corners that are not summed.
         interior_only: sum over corners at inner nodes only (the paper's sums), not over all corners. With
             `keep_valid=False` and `spacing="index"` that is the paper's literal minimum: corners at boundary nodes have
@@ -109,9 +109,10 @@ def optimize(
             refined, and parameters keep their meaning. `index`: steps of 1, the paper's literal sums. Or two numbers.
         callback: called with every `Step`. StopIteration ends the run, which returns the best grid; any other error
             is raised as it is, with the best grid's result as its attribute `result`.
-        time_limit: seconds after which the run ends, as soon as a step lets it, and returns the best grid.
+        time_limit: seconds after which the best grid is returned, as soon as a step lets it. Kernels that the energy
+            of any result needs are derived and compiled without a limit, once for a new functional.
         progress: show progress on standard error; by default where that is a terminal.
-        backend: `c` or `numpy`.
+        backend: `c`, `numpy`, or one that is installed.
 
     Returns:
         The result; see its `converged` and `message`.
@@ -215,11 +216,11 @@ def untangle(
         slide: the sides whose nodes may slide along their curves, as in `optimize`: that often makes a valid grid
             possible. What is impossible is then not proved.
         fixed: (ni, nj) mask of inner nodes that do not move.
-        parameters: of the functional.
+        parameters: values of the functional's parameters.
         callback: as in `optimize`.
         time_limit: as in `optimize`.
         progress: show progress on standard error; by default where that is a terminal.
-        backend: `c` or `numpy`.
+        backend: `c`, `numpy`, or one that is installed.
 
     Returns:
         The result; `converged` is true if every corner's Jacobian is positive.

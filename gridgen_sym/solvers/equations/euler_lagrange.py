@@ -75,11 +75,11 @@ def solve_euler_lagrange(
 
     Args:
         grid: the start. Newton's method untangles a folded start of a barrier functional first.
-        functional: a `Functional`, or its name.
+        functional: what is minimized: a `Functional`, or its name.
         method: `newton`, or `relaxation` with frozen coefficients, node by node. For a barrier functional
             Newton's method starts near the minimum of the discrete energy, which it finds first: on coarse grids, or
             after untangling. These steps are not counted as iterations. Relaxation starts from `grid` as it is.
-        weight: the paper's adaptive function: formula, function, array or `Weight`.
+        weight: adaptive weight s(x, y): formula, function, array or `Weight`.
         fields: values of the fields that the density declares, by name: for each a `Field`, or what one is made of.
             The equations hold at the nodes: of values per cell or corner they take the means there.
         target: what cells should be like; the metric is taken relative to it, in any functional. A `Target`, or a
@@ -95,21 +95,21 @@ def solve_euler_lagrange(
             angles within 0.1 degrees; it begins with the transfinite grid that has these heights, or, if that is
             folded, with the one that has the walls as a target.
         fixed: (ni, nj) mask of inner nodes that do not move.
-        parameters: of the functional.
-        tolerance: factor by which the residual's norm must fall.
+        parameters: values of the functional's parameters.
+        tolerance: factor by which the norm of the gradient or the residual must fall.
         max_iterations: Newton steps, or sweeps; with `hilgenstock-white` updates of the control functions.
         relaxation: factor of a relaxation step; by default that which is best for Laplace's equation, and less
             where it diverges.
         spacing: the logical steps, as in `optimize`: `unit`, `index` or two numbers. It matters only where the
             functional is not homogeneous in each direction.
-        keep_valid: from a valid start, return a valid grid: Newton's method takes no step that folds a cell, and where
+        keep_valid: keep a valid grid valid: Newton's method takes no step that folds a cell, and where
             relaxation ends in a folded solution, the best valid grid on the way is returned. The message says so. With
             False the solution of the equations is returned, folded or not (Laplace's equations, for one, fold on many
             domains).
         callback: called with every `Step`, whose `gradient_norm` is the residual's norm; else as in `optimize`.
         time_limit: as in `optimize`.
         progress: show progress on standard error; by default where that is a terminal.
-        backend: `c` or `numpy`.
+        backend: `c`, `numpy`, or one that is installed.
 
     Raises:
         GridgenError: for input that cannot be used.
