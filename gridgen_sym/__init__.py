@@ -77,6 +77,7 @@ if TYPE_CHECKING:
     from .grids import SideQuality as SideQuality
     from .grids import corner_jacobians as corner_jacobians
     from .grids import transfinite as transfinite
+    from .layouts import read_layout as read_layout
     from .plotting import plot_certificates as plot_certificates
     from .plotting import plot_grid as plot_grid
     from .plotting import plot_grids as plot_grids
@@ -113,6 +114,7 @@ _PACKAGES = {
     "fields": "Field SampledField Target WallRemark Weight raster_field scattered_field",
     "functionals": "Functional define functional functionals",
     "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians transfinite",
+    "layouts": "read_layout",
     "plotting": "plot_certificates plot_grid plot_grids",
     "topology": "Connection LayoutQuality MultiBlock quality",
     "topology.shapes": "layout layout_names",

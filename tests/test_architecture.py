@@ -18,7 +18,7 @@ LONGEST_FILE = 500
 #: A package imports only what stands before it, but for the packages on the ground, which import only each other.
 ORDER = (
     *("functionals", "symbolic", "codegen", "runtime", "backends"),
-    *("grids", "boundary", "topology", "certificates", "io", "fields", "plotting"),
+    *("grids", "boundary", "topology", "certificates", "io", "fields", "layouts", "plotting"),
     *("solvers", "adaptation", "selfcheck", "paper_examples", "documentation", "cli"),
 )
 #: They know nothing of functionals and kernels.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,7 @@ import numpy.typing as npt
 from ..arrays import Array, real_array
 from ..atomic import read_bytes, shown
 from ..errors import GridgenError, quoted
+from .curves import Side
 from .laws import two_ended
 from .naca import naca_points
 
@@ -133,18 +135,29 @@ class AirfoilSection:
             leading: length of the cells at the leading edge, along the arc.
             trailing: the same at the trailing edge.
         """
+        spline, nose, length = self._spline()
+        lower = nose * two_ended(trailing / nose, leading / nose, cells // 2)[0]
+        rest = length - nose
+        upper = nose + rest * two_ended(leading / rest, trailing / rest, cells // 2)[0]
+        nodes = spline(np.concatenate((lower, upper[1:])))
+        nodes[0], nodes[-1] = self.points[0], self.points[-1]
+        return np.asarray(nodes)
+
+    def side(self, name: Literal["lower", "upper"]) -> Side:
+        """Return the curve of one side from the leading edge to the trailing edge, on the spline of the points."""
+        spline, nose, length = self._spline()
+        end = 0.0 if name == "lower" else length
+        return lambda s: np.asarray(spline((1 - s) * nose + s * end))
+
+    def _spline(self) -> tuple[Side, float, float]:
+        """Return the spline of the points by arc length, where the leading edge is on it, and its whole length."""
         from scipy.interpolate import CubicSpline
 
         arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))))
         spline = CubicSpline(arc, self.points)
         dense = np.linspace(0, arc[-1], _SAMPLES)
         nose = float(dense[np.hypot(*(spline(dense) - self.trailing_edge).T).argmax()])
-        lower = nose * two_ended(trailing / nose, leading / nose, cells // 2)[0]
-        rest = arc[-1] - nose
-        upper = nose + rest * two_ended(leading / rest, trailing / rest, cells // 2)[0]
-        nodes = spline(np.concatenate((lower, upper[1:])))
-        nodes[0], nodes[-1] = self.points[0], self.points[-1]
-        return np.asarray(nodes)
+        return spline, nose, float(arc[-1])
 
 
 def _chord(points: npt.NDArray[np.float64]) -> float:

@@ -10,16 +10,16 @@ from ..errors import GridgenError
 
 
 @dataclass(frozen=True, slots=True)
-class OppositeSides:
-    """Two opposite sides of a block, which must have equally many cells.
+class EqualSides:
+    """Two opposite sides of a block, or two periodic curves, which must have equally many cells.
 
     Attributes:
-        block: its name.
-        sides: the names of both sides, such as `bottom` and `top`.
+        where: what they belong to, such as `block a`.
+        sides: what each of both is called, such as `bottom` and `top`.
         curves: the curves of both.
     """
 
-    block: str
+    where: str
     sides: tuple[str, str]
     curves: tuple[tuple[str, ...], tuple[str, ...]]
 
@@ -31,12 +31,12 @@ class OppositeSides:
         return {curve: times for curve, times in count.items() if times}
 
 
-def carried_over(given: Mapping[str, int], pairs: Sequence[OppositeSides]) -> dict[str, int]:
+def carried_over(given: Mapping[str, int], pairs: Sequence[EqualSides]) -> dict[str, int]:
     """Return the number of cells of every curve.
 
     Args:
         given: what is said of some curves.
-        pairs: the opposite sides of all blocks.
+        pairs: the opposite sides of all blocks, and periodic curves.
 
     Raises:
         GridgenError: for numbers that contradict each other, and curves whose numbers follow from none; the message
@@ -70,13 +70,13 @@ def carried_over(given: Mapping[str, int], pairs: Sequence[OppositeSides]) -> di
     return known
 
 
-def _contradiction(pair: OppositeSides, known: Mapping[str, int], sources: set[str]) -> GridgenError:
+def _contradiction(pair: EqualSides, known: Mapping[str, int], sources: set[str]) -> GridgenError:
     sides = " and ".join(
         f"{side} ({' + '.join(f'{curve}: {known[curve]}' if curve in known else curve for curve in curves)})"
         for side, curves in zip(pair.sides, pair.curves, strict=True)
     )
     return GridgenError(
-        f"opposite sides have equally many cells, but those of block {pair.block} cannot: {sides}. These numbers "
+        f"opposite sides have equally many cells, but those of {pair.where} cannot: {sides}. These numbers "
         f"follow from what cells says of {', '.join(sorted(sources))}: change one of them, or leave it out"
     )
 

@@ -13,7 +13,7 @@ from ..errors import GridgenError, quoted
 from ..grids.grid import SMALLEST
 from .connection import Connection, PartLike
 from .curve_names import Curve, CurveNames
-from .edge_cells import OppositeSides, carried_over
+from .edge_cells import EqualSides, carried_over
 from .multiblock import MultiBlock
 from .rings import BlockLike, Use, rings, side_lists
 
@@ -51,8 +51,11 @@ class Wireframe:
     boundaries: Mapping[str, Sequence[str]]
     periodic: Sequence[Periodic] = ()
 
-    def layout(self) -> MultiBlock:
+    def layout(self, refine: int = 1) -> MultiBlock:
         """Return the blocks, each filled by transfinite interpolation; curves of two blocks are connections.
+
+        Args:
+            refine: a factor for all numbers of cells.
 
         Raises:
             GridgenError: for names that are unknown, sides that do not join, numbers of cells that contradict each
@@ -65,11 +68,12 @@ class Wireframe:
             for block, sides in listed.items()
         }
         ways = {block: rings(block, sides, names.ends) for block, sides in found.items()}
-        counts = carried_over(_counts(self.cells, names), _opposite(found))
+        given = {curve: refine * count for curve, count in _counts(self.cells, names).items()}
+        counts = carried_over(given, [*_opposite(found), *_equal(self.periodic, names)])
         nodes = {curve: names.nodes(curve, counts[curve]) for curve in names.ends if curve in counts}
         walked, grids = {}, {}
-        for block, given in ways.items():
-            walked[block], lines = _counterclockwise(block, given, nodes)
+        for block, possible in ways.items():
+            walked[block], lines = _counterclockwise(block, possible, nodes)
             grids[block] = grid_of_sides(lines)
         uses = _uses(walked, counts, names)
         outer = {
@@ -113,12 +117,17 @@ def _counts(cells: Mapping[str, int], names: CurveNames) -> dict[str, int]:
     return found
 
 
-def _opposite(curves: Mapping[str, Sequence[Sequence[str]]]) -> list[OppositeSides]:
+def _opposite(curves: Mapping[str, Sequence[Sequence[str]]]) -> list[EqualSides]:
     return [
-        OppositeSides(block, pair, (tuple(one), tuple(other)))
+        EqualSides(f"block {block}", pair, (tuple(one), tuple(other)))
         for block, (bottom, right, top, left) in curves.items()
         for pair, one, other in ((("bottom", "top"), bottom, top), (("left", "right"), left, right))
     ]
+
+
+def _equal(periodic: Sequence[Periodic], names: CurveNames) -> list[EqualSides]:
+    pairs = [[names.find(curve, "periodic") for curve in pair.curves] for pair in periodic]
+    return [EqualSides("periodic curves", ("one", "the other"), ((one,), (other,))) for one, other in pairs]
 
 
 def _joined(pieces: Sequence[Array]) -> Array:

@@ -1,0 +1,50 @@
+"""Read a layout from a description, by the suffix of its file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from ..atomic import read_bytes, shown
+from ..errors import GridgenError, quoted
+from ..topology import MultiBlock
+from . import description, mfem
+from .quadrilaterals import layout_of_mesh
+
+#: Cells along each side of a quadrilateral of a mesh.
+_CELLS = 4
+
+
+def read_layout(path: str | os.PathLike[str], *, refine: int | None = None) -> MultiBlock:
+    """Return the start of the layout that a file describes; for files that have the nodes of blocks see `read`.
+
+    Args:
+        path: of a description in TOML (`.toml`): points, curves, blocks, cells, boundaries; or of a mesh of
+            quadrilaterals (`.mesh`, MFEM), each of which becomes a block.
+        refine: a factor for all numbers of cells of a description, 1 without it; of a mesh the cells along each side of
+            a quadrilateral, 4 without it.
+
+    Returns:
+        The blocks by transfinite interpolation, those of a mesh by its own curved or bilinear maps; they may be folded.
+
+    Raises:
+        GridgenError: for a file that is missing, of another kind or describes no layout; the message names the path.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in (".toml", ".mesh"):
+        raise GridgenError(
+            f"cannot read a layout from {shown(path)}: expected a description (.toml) or a mesh of quadrilaterals "
+            "(.mesh, MFEM); files of grids are read by gridgen_sym.read"
+        )
+    least = 1 if suffix == ".toml" else 2
+    if refine is not None and (not isinstance(refine, int | np.integer) or isinstance(refine, bool) or refine < least):
+        raise GridgenError(f"refine must be a whole number, at least {least} for {suffix}; came {quoted(refine)}")
+    data = read_bytes(path)
+    try:
+        if suffix == ".toml":
+            return description.decode(data, Path(path).parent).layout(int(refine or 1))
+        return layout_of_mesh(mfem.decode(data), int(refine or _CELLS))
+    except GridgenError as error:
+        raise GridgenError(f"cannot read the layout {shown(path)}: {error}") from error
