@@ -28,6 +28,9 @@ _LAST_STEP = 1e-7
 _FIRST = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
 _SECOND = ((-3, 1 / 90), (-2, -3 / 20), (-1, 3 / 2), (0, -49 / 18), (1, 3 / 2), (2, -3 / 20), (3, 1 / 90))
 
+#: Points of a curve (m, 2), and its first and second derivatives there.
+Derivatives = tuple[Array, Array, Array]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SlideCurve:
@@ -42,7 +45,7 @@ class SlideCurve:
     """
 
     point: Callable[[Array], Array]
-    derivatives: Callable[[Array], tuple[Array, Array, Array]]
+    derivatives: Callable[[Array], Derivatives]
     corners: Array
     springs: Array | None = None
 
@@ -79,7 +82,7 @@ class SlideCurve:
         sharp = np.concatenate(([0], inner, [len(line) - 1]))
         breaks, factors = _splines(arc, line, sharp)
 
-        def derivatives(t: Array) -> tuple[Array, Array, Array]:
+        def derivatives(t: Array) -> Derivatives:
             which = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(breaks) - 2)
             a, b, c, d = factors[:, which]
             x = (t - breaks[which])[:, None]
@@ -105,7 +108,7 @@ class SlideCurve:
                 raise GridgenError("the curve of a side must be finite for all t from 0 to 1, and a little beyond")
             return found
 
-        def derivatives(t: Array) -> tuple[Array, Array, Array]:
+        def derivatives(t: Array) -> Derivatives:
             near = {k: point(t + k * _STEP) for k, _ in _SECOND}
             first, second = (sum(w * near[k] for k, w in weights) for weights in (_FIRST, _SECOND))
             return near[0], np.asarray(first / _STEP), np.asarray(second / _STEP**2)
@@ -115,21 +118,22 @@ class SlideCurve:
     def reversed(self) -> SlideCurve:
         """Return the same curve, run through the other way."""
 
-        def derivatives(t: Array) -> tuple[Array, Array, Array]:
+        def derivatives(t: Array) -> Derivatives:
             point, first, second = self.derivatives(1.0 - t)
             return point, -first, second
 
         springs = None if self.springs is None else self.springs[::-1]
         return SlideCurve(lambda t: self.point(1.0 - t), derivatives, 1.0 - self.corners[::-1], springs)
 
-    def nearest(self, place: Array, start: Array | None = None) -> Array:
+    def nearest(self, place: Array, start: Array | None = None, known: Derivatives | None = None) -> Array:
         """Return the parameters (m,) of the nearest points of the curve.
 
         Args:
             place: (m, 2).
             start: parameters near those; without them the whole curve is searched.
+            known: the curve's points and derivatives there, if they have been evaluated.
         """
-        return self._searched(place) if start is None else self._near(place, start, 0.0, 1.0)
+        return self._searched(place) if start is None else self._near(place, start, 0.0, 1.0, known)
 
     def _searched(self, place: Array) -> Array:
         """Return the parameters of the nearest points of the whole curve."""
@@ -145,11 +149,18 @@ class SlideCurve:
         away = np.stack([np.hypot(*(self.point(t) - place).T) for t in at])
         return np.asarray(at[away.argmin(axis=0), np.arange(len(place))])
 
-    def _near(self, place: Array, start: Array, low: Array | float, high: Array | float) -> Array:
+    def _near(
+        self,
+        place: Array,
+        start: Array,
+        low: Array | float,
+        high: Array | float,
+        known: Derivatives | None = None,
+    ) -> Array:
         """Return the parameters of the nearest points near a start, between bounds."""
         t = start.copy()
         for _ in range(_NEWTON_STEPS):
-            point, slope, second = self.derivatives(t)
+            (point, slope, second), known = known or self.derivatives(t), None
             apart, square = point - place, (slope**2).sum(axis=1)
             bend = square + (apart * second).sum(axis=1)
             step = (apart * slope).sum(axis=1) / np.where(bend > 0.1 * square, bend, square)
@@ -190,7 +201,7 @@ def _of_spline(spline: Any, begin: float, end: float) -> SlideCurve:  # noqa: AN
     """Return the curve of a SciPy spline, whose derivatives are exact."""
     scale = end - begin
 
-    def derivatives(t: Array) -> tuple[Array, Array, Array]:
+    def derivatives(t: Array) -> Derivatives:
         point, first, second = (np.asarray(spline(begin + scale * t, nu=order) * scale**order) for order in range(3))
         return point, first, second
 

@@ -162,7 +162,9 @@ def optimize(
         def solve() -> Outcome:
             nonlocal sides
             if sides is not None and method == "newton" and limit:
-                sides = approach_walls(run, sides, backend)
+                corrected = approach_walls(run, sides, backend)
+                # Heights are corrected for boundary nodes that stay, which hold cells off what walls ask for.
+                sides = corrected if curves is None else sides
                 run.renew(make(grid, fixed))
             else:
                 if curves is not None and target is None and not per_node and limit:

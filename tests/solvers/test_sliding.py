@@ -11,6 +11,8 @@ from gridgen_sym.boundary.slide_curve import SlideCurve, chord_fractions, slide_
 from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.sliding.side import SlidingSide, side_index
 
+SIDES_ALL = "bottom", "right", "top", "left"
+
 # The sides of a quarter of the annulus with radii 1 and 2, as functions of t.
 QUARTER = {
     "bottom": lambda t: np.stack([np.cos(np.pi / 2 * (1 - t)), np.sin(np.pi / 2 * (1 - t))], -1),
@@ -175,6 +177,19 @@ def test_walls_and_sliding_sides_go_together():
     assert side.non_orthogonality.percentile_95 < 0.6
     assert side.first_heights[1] == pytest.approx(1e-3, rel=1e-2)
     assert "Boundary nodes stay" not in result.message
+
+
+@pytest.mark.parametrize(
+    ("domain", "walls", "wrong"),
+    [("square", SIDES_ALL, 1e-3), ("quarter_annulus", ("bottom", "top"), 1e-2), ("quarter_annulus", SIDES_ALL, 0.25)],
+)
+def test_where_all_sides_slide_walls_have_their_heights_up_to_the_corners(domain, walls, wrong):
+    """Heights that were corrected for boundary nodes that stay were too small by a factor of up to 1.9."""
+    start = gg.domain(domain, 17, 17)
+    result = gg.optimize(start, "winslow", walls={side: gg.Wall(first=2e-3) for side in walls}, slide="all")
+    assert result.converged
+    for side in walls:
+        np.testing.assert_allclose(result.quality.sides[side].first_heights, 2e-3, rtol=wrong)
 
 
 def test_a_valid_grid_is_not_worsened_and_other_functionals_slide_too():

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...arrays import Array
-from ...boundary.slide_curve import SlideCurve
+from ...boundary.slide_curve import Derivatives, SlideCurve
 
 Index = tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]
 
@@ -47,7 +47,7 @@ class SlidingSide:
     free: npt.NDArray[np.bool_] = field(init=False)
     low: Array = field(init=False)
     high: Array = field(init=False)
-    _derivatives: tuple[Array, tuple[Array, Array, Array]] | None = field(init=False, default=None)
+    _derivatives: tuple[Array, Derivatives] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         """Find the corners around each node."""
@@ -70,7 +70,7 @@ class SlidingSide:
         return self.index[0][self.free], self.index[1][self.free]
 
     @property
-    def derivatives(self) -> tuple[Array, Array, Array]:
+    def derivatives(self) -> Derivatives:
         """The points and the first and second derivatives of the curve (m, 2) at the nodes that slide."""
         if self._derivatives is None or self._derivatives[0] is not self.at:
             self._derivatives = self.at, self.curve.derivatives(self.at[self.free])
@@ -79,7 +79,9 @@ class SlidingSide:
     def follow(self, coordinates: Array) -> None:
         """Take the parameters of the nodes of coordinates (2, ni, nj), which are on the curve."""
         there = coordinates[:, *self.nodes].T
-        found = self.curve.nearest(there, self.at[self.free])
+        if np.array_equal(there, self.derivatives[0]):
+            return
+        found = self.curve.nearest(there, self.at[self.free], self.derivatives)
         away = np.abs(self.curve.point(found) - there).max(axis=1, initial=0.0)
         far = away > _ON_CURVE * float(np.abs(there).max(initial=0.0))
         if far.any():
@@ -91,7 +93,8 @@ class SlidingSide:
     def nearest(self, coordinates: Array) -> Array:
         """Return the parameters (n,) of the points nearest to coordinates (2, ni, nj), in the order of the nodes."""
         found = self.at.copy()
-        found[self.free] = self.curve.nearest(coordinates[:, *self.nodes].T, self.at[self.free])
+        there = coordinates[:, *self.nodes].T
+        found[self.free] = self.curve.nearest(there, self.at[self.free], self.derivatives)
         return self.in_order(found)
 
     def in_order(self, wanted: Array) -> Array:

@@ -51,6 +51,8 @@ class TurnedSide:
     @classmethod
     def of(cls, curve: SlideCurve, nodes: Array, lines: npt.NDArray[np.intp]) -> TurnedSide | None:
         """Return the side of nodes (n, 2) on a curve; None without turns between the ends."""
+        if len(curve.corners) == 2:
+            return None
         at = curve.nearest(nodes)
         turns = np.flatnonzero(np.abs(at[:, None] - curve.corners).min(axis=1) < AT_CORNER)
         inner = turns[(turns > 0) & (turns < len(nodes) - 1)]
