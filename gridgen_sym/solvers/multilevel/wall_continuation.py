@@ -32,7 +32,7 @@ from .prolongation import coarse_start
 from .wall_prolongation import finer_grid
 
 #: How well the problems on the way are solved, in how many steps at most.
-_TOLERANCE, _STEPS = 2e-1, 30
+_TOLERANCE, _STEPS = 1e-1, 30
 #: The same of the grid whose heights are measured first: corrections are for those of the minimum.
 _MEASURED = 1e-2
 #: The first, the least and the greatest step of t.
