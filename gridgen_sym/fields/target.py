@@ -53,18 +53,29 @@ class Target:
         object.__setattr__(self, "parts", tuple(as_scalar(one, name, VARIABLES["logical"]) for one, name in given))
 
     @classmethod
-    def of(cls, grid: Grid) -> Target:
+    def of(cls, grid: Grid, angle: float | None = None) -> Target:
         """Return the target whose corners are those of a reference grid of the same shape.
 
+        Args:
+            grid: the reference grid.
+            angle: in degrees, between edges of the lengths that they have in the reference grid: with 90 lines that are
+                skew or have kinks there should cross at right angles. None for the angles of the reference grid.
+
         Raises:
-            GridgenError: if a corner of the reference grid is folded; it is named.
+            GridgenError: if a corner of the reference grid is folded; it is named. For an angle that is none.
         """
         check_grid(grid)
         folded = ~(corner_jacobians(grid.x, grid.y) > 0)
         if folded.any():
             place = first_place(folded, grid.shape, (grid.x, grid.y), "xy")
             raise GridgenError(f"the reference grid of a target must be valid; it is folded at {place}: untangle it")
-        matrix = cls.matrix(corner_edges(grid.x, grid.y))
+        edges = corner_edges(grid.x, grid.y)
+        if angle is not None:
+            if not isinstance(angle, int | float) or not 0 < angle < 180:
+                raise GridgenError(f"the angle of a target must be between 0 and 180 degrees; came {quoted(angle)}")
+            w1, w2, turn = np.hypot(edges[0], edges[2]), np.hypot(edges[1], edges[3]), np.deg2rad(angle)
+            edges = np.stack((w1, w2 * np.cos(turn), np.zeros_like(w1), w2 * np.sin(turn)))
+        matrix = cls.matrix(edges)
         return replace(matrix, shape=grid.shape)
 
     @classmethod

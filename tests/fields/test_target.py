@@ -317,3 +317,16 @@ def test_what_is_no_target_is_refused_at_once(make, match):
 def test_bad_targets_are_refused_with_their_place_and_the_repair(target, match):
     with pytest.raises(gg.GridgenError, match=match):
         gg.energy(mild_grid(), "winslow", target=target, backend="numpy")
+
+
+def test_lengths_of_a_reference_grid_at_another_angle():
+    skew = gg.Grid(gg.domain("square", 5, 7).xy @ np.array([[1.0, 0.0], [0.5, 1.0]]))
+    for angle in (90, 60.0):
+        w = np.stack([part.numbers for part in gg.Target.of(skew, angle=angle).parts]).reshape(2, 2, -1)
+        lengths = np.hypot(w[0], w[1])
+        assert lengths[0] == pytest.approx(1 / 4)
+        assert lengths[1] == pytest.approx(np.sqrt(1.25) / 6)
+        assert (w[:, 0] * w[:, 1]).sum(axis=0) / lengths.prod(axis=0) == pytest.approx(np.cos(np.deg2rad(angle)))
+    for wrong in (0, 180, "right", np.nan):
+        with pytest.raises(gg.GridgenError, match="must be between 0 and 180 degrees; came"):
+            gg.Target.of(skew, angle=wrong)

@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from layouts import assembled, butterfly, cut, ring
+from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
 from gridgen_sym.solvers.layout.binding import make_layout_problem
@@ -166,6 +167,26 @@ def test_lines_cross_the_cut_of_a_c_grid_without_a_kink():
     assert found.quality.valid
     assert kinks(layout).min() > 9
     assert kinks(found.grid).max() < 2
+
+
+@pytest.mark.parametrize("name", ["n4412_225-65", pytest.param("n0012_113-33", marks=pytest.mark.slow)])
+@pytest.mark.skipif(not (SHARED / "nasa").is_dir(), reason=NO_SHARED.format("nasa"))
+def test_lines_cross_the_cut_of_nasas_c_grids_without_a_kink(name):
+    """Those of n4412 have kinks of up to 55 degrees; the lengths of its edges, at right angles, are the target."""
+    layout = gg.read(SHARED / "nasa" / f"{name}.p2dfmt", layout=True)
+    found = gg.optimize(layout, "winslow", target=gg.Target.of(layout.blocks[0], angle=90))
+    assert found.converged, found.message
+    assert found.quality.valid
+    (bond,) = layout.bonds
+    (along, _), (back, _) = bond.indices([layout.blocks[0].shape])
+
+    def kinks(planes):
+        up, down = (planes[:, i[1:-1], 1] - planes[:, i[1:-1], 0] for i in (along, back))
+        cosine = -(up * down).sum(axis=0) / np.hypot(*up) / np.hypot(*down)
+        return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+
+    assert (kinks(layout.blocks[0].planes).max() > 50) == (name == "n4412_225-65")
+    assert kinks(found.grid.blocks[0].planes).max() < 0.1
 
 
 def test_a_folded_layout_is_untangled():
