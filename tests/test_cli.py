@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from layouts import ring
 
 import gridgen_sym as gg
 from gridgen_sym.cli import main
@@ -569,3 +570,80 @@ def test_a_clockwise_grid_file_is_mirrored_unless_that_is_forbidden(monkeypatch)
     assert "left and right are exchanged" in said
     assert gg.read("mended.npz").xy[0, 0].tolist() == [0, 0]
     assert "the boundary runs clockwise" in run("grid", "clockwise.npz", "-f", "winslow", "--no-reorient", code=1)
+
+
+# ---- several blocks ----
+
+
+@pytest.fixture
+def two_blocks():
+    """Two blocks of the swan with names of boundaries, in a file with a map beside it."""
+    whole = gg.domain("swan", 9, 9)
+    blocks = [gg.Grid.from_planes(*whole.planes[:, a : a + 5]) for a in (0, 4)]
+    layout = gg.MultiBlock(blocks, boundaries={"wall": [(0, "bottom"), (1, "bottom")], "inlet": [(0, "left")]})
+    layout.write("two.p2dfmt")
+    return layout
+
+
+def test_several_blocks_are_one_grid(two_blocks):
+    said = run("grid", "two.p2dfmt", "-f", "winslow", "-o", "out.vtm", "--plot", "out.png")
+    assert "start: two.p2dfmt, 2 blocks, 1 connection, 64 cells, 4 of them folded" in said
+    assert "blocks                        2" in said
+    assert "wrote out.vtm" in said
+    assert Path("out.png").read_bytes().startswith(b"\x89PNG")
+    found = gg.read("out.vtm")
+    assert found.bonds == two_blocks.bonds
+    assert found.boundaries == two_blocks.boundaries
+    expected = gg.optimize(gg.domain("swan", 9, 9), "winslow").grid
+    assert found.blocks[1].planes == pytest.approx(expected.planes[:, 4:], abs=1e-6)
+
+
+def test_quality_of_several_blocks(two_blocks):
+    assert "block 0: not valid" in run("quality", "two.p2dfmt", "--plot", "two.png", code=1)
+    told = json.loads(run("quality", "two.p2dfmt", "--json", code=1))
+    assert told == gg.quality(two_blocks).as_dict()
+    assert (told["folded_cells"], told["blocks"]["1"]["cells"]) == (gg.quality(two_blocks).folded_cells, 32)
+
+
+def test_the_cut_of_one_block_moves_where_a_layout_is_wanted():
+    gg.MultiBlock([ring(np.linspace(0, 2 * np.pi, 9), 1.0, [*np.linspace(2, 3, 8), 2.0], 5)]).write("ring.xyz")
+    assert "start: ring.xyz, 8 x 4 cells" in run("grid", "ring.xyz", "-f", "winslow", "-o", "fixed.xyz")
+    said = run("grid", "ring.xyz", "-f", "winslow", "--layout", "-o", "free.xyz")
+    assert "1 block, 1 connection, 32 cells" in said
+    start, fixed, free = (gg.read(f"{name}.xyz").planes[:, 0, 1:-1] for name in ("ring", "fixed", "free"))
+    assert np.array_equal(fixed, start)
+    assert np.abs(free - start).max() > 1e-3
+    assert "blocks                        1" in run("quality", "free.xyz", "--layout")
+
+
+def test_a_file_as_a_target_may_have_another_angle(two_blocks):
+    valid = gg.optimize(two_blocks, "winslow").grid
+    valid.write("valid.p2dfmt")
+    for target, angle in (("valid.p2dfmt", None), ("valid.p2dfmt, 90", 90)):
+        run("grid", "two.p2dfmt", "-f", "winslow", "--target", target, "-o", "out.p2dfmt")
+        wanted = {name: gg.Target.of(block, angle) for name, block in zip(valid.names, valid.blocks, strict=True)}
+        expected = gg.optimize(two_blocks, "winslow", target=wanted).grid
+        assert gg.read("out.p2dfmt").blocks[0].planes == pytest.approx(expected.blocks[0].planes, abs=1e-9)
+    assert "the angle 'right' is not a number" in run(
+        "grid", "two.p2dfmt", "-f", "winslow", "--target", "valid.p2dfmt, right", code=2
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("grid", "two.p2dfmt", "-f", "winslow", "-o", "out.vts"), "holds one block, and here are 2"),
+        (("grid", "two.p2dfmt", "-f", "winslow", "--solver", "euler-lagrange"), "came a MultiBlock of 2"),
+        (("grid", "two.p2dfmt", "-f", "winslow", "--solver", "local"), "by method='newton'; came 'local'"),
+        (("grid", "two.p2dfmt", "-f", "quasi_harmonic", "--continuation", "omega=1,0.1"), "came a MultiBlock of 2"),
+        (("grid", "two.p2dfmt", "-f", "winslow", "--slide", "all"), "does not take 'slide'"),
+        (("grid", "swan", "-f", "winslow", "--layout"), "--layout belongs to a grid file, which swan is not"),
+        (("adapt", "two.p2dfmt", "--to", "x"), "came a MultiBlock of 2: this is for one block"),
+        (("grid", "back.p2dfmt", "-f", "winslow"), "block 1 of back.p2dfmt runs clockwise"),
+    ],
+)
+def test_what_several_blocks_do_not_take_is_told(two_blocks, arguments, told):
+    first, second = two_blocks.blocks
+    gg.MultiBlock([first, gg.Grid(second.xy[::-1])], []).write("back.p2dfmt")
+    assert told in run(*arguments, code=2)
+    assert not Path("out.vts").exists()

@@ -68,6 +68,36 @@ def test_what_nobody_shortened_is_cut_in_its_middle():
     assert str(pickle.loads(pickle.dumps(MissingExtraError("this", "plot", "matplotlib")))).startswith("this needs")
 
 
+LAYOUT, VALUES = gg.MultiBlock([SQUARE, gg.Grid.from_planes(SQUARE.x + 1, SQUARE.y)]), [[0.0] * 5] * 5
+FOR_ONE_BLOCK = {
+    "adapt": lambda: gg.adapt(LAYOUT, "x"),
+    "continuation": lambda: gg.continuation(LAYOUT, "quasi_harmonic", "omega", [1, 0.1]),
+    "solve_euler_lagrange": lambda: gg.solve_euler_lagrange(LAYOUT, "winslow"),
+    "certificates": lambda: gg.certificates(LAYOUT),
+    "sliver_certificate": lambda: gg.sliver_certificate(LAYOUT),
+    "plot_certificates": lambda: gg.plot_certificates(LAYOUT),
+    "equidistribution": lambda: gg.equidistribution(LAYOUT, "x"),
+    "interpolation_error": lambda: gg.interpolation_error(LAYOUT, "x"),
+    "transfer": lambda: gg.transfer(LAYOUT, VALUES, SQUARE),
+    "transfer to": lambda: gg.transfer(SQUARE, VALUES, LAYOUT),
+    "recover_gradient": lambda: gg.recover_gradient(LAYOUT, VALUES),
+    "recover_hessian": lambda: gg.recover_hessian(LAYOUT, VALUES),
+    "recovery_error": lambda: gg.recovery_error(LAYOUT, VALUES),
+    "hierarchical_error": lambda: gg.hierarchical_error(LAYOUT, VALUES),
+    "richardson_error": lambda: gg.richardson_error(LAYOUT, VALUES, VALUES),
+    "target": lambda: gg.Target.of(LAYOUT),
+    "blocks": lambda: gg.MultiBlock([LAYOUT]),
+}
+
+
+@pytest.mark.parametrize("call", FOR_ONE_BLOCK)
+def test_what_takes_one_block_says_so(call):
+    with pytest.raises(
+        GridgenError, match=r"came a MultiBlock of 2: this is for one block; pass one of layout\.blocks"
+    ):
+        FOR_ONE_BLOCK[call]()
+
+
 def test_quoting():
     assert quoted("k") == "'k'"
     assert quoted(LONG) == f"'{'x' * 199}... (100002 characters)"

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from ..arrays import Array, real_array
 from ..fields.sampled import grid_field
 from ..grids import Grid
+from ..grids.grid import check_grid
 from .recovery import nodal_values
 
 
@@ -35,4 +36,5 @@ def transfer(source: Grid, values: npt.ArrayLike, target: Grid, *, smooth: bool 
         return np.stack(
             [transfer(source, given[..., k], target, smooth=smooth) for k in range(given.shape[2])], axis=-1
         )
+    check_grid(target)
     return grid_field(source, nodal_values(source, given), smooth=smooth)(target.x, target.y)

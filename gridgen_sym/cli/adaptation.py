@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -19,6 +19,7 @@ from .types import SizedCommand, number
 if TYPE_CHECKING:
     from ..adaptation import AdaptResult
     from ..fields.outside import Outside
+    from ..grids import Grid
 
 
 @click.command(cls=SizedCommand)
@@ -73,7 +74,7 @@ def adapt(
     boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient")}
     given = {key: value for key, value in options.items() if value is not None}
     given["parameters"] = parameters_of(given.get("functional", ADAPTATION["functional"].default), parameters)
-    start = start_grid(input, **boundary)
+    start = cast("Grid", start_grid(input, **boundary))  # Several blocks are refused by `run`.
     begin = Announcement(quiet, input, start)
     result = run(start, field, monitor=chosen, callback=begin, **given)
     begin()

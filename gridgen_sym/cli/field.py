@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..atomic import read_bytes
 from ..errors import GridgenError, quoted, shortened
 from ..options import SAMPLES
+from ..parsing import number_in
 from .options import option
 
 if TYPE_CHECKING:
@@ -31,8 +32,8 @@ _FIELD = (
     "p:logical='1 + xi'"
 )
 _TARGET = (
-    "--target takes a grid file (.vts, .xyz, .p2dfmt, .csv, .npz or .cgns), or formulas in xi and eta: "
-    "'w1, w2' or 'w1, w2, angle'"
+    "--target takes a grid file (.vts, .xyz, .p2dfmt, .csv, .npz, .cgns or .vtm), alone or with an angle: 'FILE, 90', "
+    "or formulas in xi and eta: 'w1, w2' or 'w1, w2, angle'"
 )
 
 
@@ -61,23 +62,42 @@ def fields_of(texts: Iterable[str], outside: Outside = "error") -> dict[str, Fie
     return found
 
 
-def target_of(text: str | None) -> Target | None:
+def target_of(text: str | None) -> Target | dict[str, Target] | None:
     """Return the target that `--target` gives: the cells of a grid file, or two lengths and an angle.
+
+    Of a file of several blocks there is one for each, by name.
 
     Raises:
         GridgenError: for anything else, or a file that cannot be read.
     """
     from ..fields import Target
-    from ..io import known_suffixes, read
+    from ..io import known_suffixes
 
     if text is None:
         return None
     parts = _parts(text)
+    if len(parts) in (1, 2) and Path(parts[0]).suffix.lower() in known_suffixes():
+        return _target_of_file(*parts)
     if len(parts) in (2, 3):
         return Target(*parts)
-    if len(parts) == 1 and Path(text).suffix.lower() in known_suffixes():
-        return Target.of(read(text))
     raise GridgenError(f"{_TARGET}; came {quoted(text)}")
+
+
+def _target_of_file(path: str, angle: str | None = None) -> Target | dict[str, Target]:
+    """Return the target of a grid file, at an angle in degrees."""
+    from ..fields import Target
+    from ..io import read
+    from ..topology import MultiBlock
+
+    try:
+        degrees = None if angle is None else number_in(angle)
+    except ValueError:
+        raise GridgenError(f"{_TARGET}; the angle {quoted(angle)} is not a number") from None
+    made = read(path)
+    if isinstance(made, MultiBlock):
+        named = zip(made.names, made.blocks, strict=True)
+        return {name: Target.of(block, degrees) for name, block in named}
+    return Target.of(made, degrees)
 
 
 def control_of(text: str) -> Any:  # noqa: ANN401 - two formulas, or a name

@@ -22,8 +22,9 @@ from .walls import WALLS, walls_of
 if TYPE_CHECKING:
     from ..fields import Weight
     from ..fields.outside import Outside
-    from ..solvers import Result
+    from ..solvers import LayoutResult, Result
 
+LAYOUT_HELP = "Connect the sides of a grid file of one block, too: the nodes on the cut of a C- or O-grid move."
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 
 
@@ -44,7 +45,8 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     help="newton and local minimize the discrete energy; euler-lagrange and relaxation solve its equations.",
 )
 @start_options
-@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz or .cgns.")
+@click.option("--layout", is_flag=True, help=LAYOUT_HELP)
+@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz, .cgns or .vtm.")
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
 @option(
     SOLVERS["weight"],
@@ -65,8 +67,8 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @outside_option
 @option(
     SOLVERS["target"],
-    more=": a grid file of the same size (its cells), or two edge lengths and an angle in degrees, formulas in xi and "
-    "eta: '0.01*(1 + xi), 0.02, 90'",
+    more=": a grid file of the same size (its cells, or with 'FILE, 90' their lengths at right angles), or two edge "
+    "lengths and an angle in degrees, formulas in xi and eta: '0.01*(1 + xi), 0.02, 90'",
     metavar="TARGET",
 )
 @option(SOLVERS["walls"], "--wall", "walls", more=WALLS, multiple=True, metavar="SIDE:first=HEIGHT,...")
@@ -97,20 +99,25 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     """Make a grid from INPUT: a classical domain, an outline or a grid file.
 
     INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), a text file
-    with an outline (points x,y and '# corners: ...'), or a grid file, which is the start. Exits with 1 if the result
+    with an outline (points x,y and '# corners: ...'), or a grid file, which is the start. A file of several blocks is
+    one grid, connected as the map (.nmf) beside it says, or where nodes coincide. Exits with 1 if the result
     has folded cells or the functional has no derivative there, and after Ctrl-C, which writes the best grid so far,
     with 130.
     """
+    from ..io import check_holds
     from ..solvers.run.status import Status, StopReason
+    from ..topology import MultiBlock
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
-    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient")}
+    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "layout")}
     solve = _solver(name, quiet, **options)
     check_outputs(output, plot)
     start = start_grid(input, **boundary)
+    if output and isinstance(start, MultiBlock):
+        check_holds(output, len(start))
     begin = Announcement(quiet, input, start)
-    result: Result = solve(start, callback=begin)
+    result: Result | LayoutResult = solve(start, callback=begin)
     begin()
     _report(result, quiet)
     if output:
@@ -173,14 +180,16 @@ def _weight(text: str | None, mode: str | None, allow_negative: bool, outside: O
     return Weight(source, mode or "frozen", allow_negative)  # type: ignore[arg-type]
 
 
-def _report(result: Result, quiet: bool) -> None:
+def _report(result: Result | LayoutResult, quiet: bool) -> None:
     """Print what came out; where it did not converge, or is folded, that is reported on standard error as well."""
+    from ..solvers import Result
+
     if result.converged:
         report(quiet, f"converged in {result.iterations} iterations: {result.message}")
     else:
         click.secho(f"not converged in {result.iterations} iterations: {result.message}", fg="yellow", err=True)
     report(quiet, result.quality.summary())
-    if result.change is not None and result.change.before.valid:
+    if isinstance(result, Result) and result.change is not None and result.change.before.valid:
         report(quiet, result.change.summary())
     if quiet and not result.quality.valid:
         click.secho(result.quality.describe_folds(), fg="red", err=True)
@@ -188,17 +197,20 @@ def _report(result: Result, quiet: bool) -> None:
 
 @click.command()
 @click.argument("file")
+@click.option(
+    "--layout", is_flag=True, help="Measure and draw a file of one block as a layout: with its boundaries' names."
+)
 @click.option("--plot", metavar="PNG", help="Draw the grid, and why no valid one exists: .png, .svg or .pdf.")
 @click.option("--json", "as_json", is_flag=True, help="Print the measures as JSON, by the names of `gg.Quality`.")
-def quality(file: str, plot: str | None, as_json: bool) -> None:
+def quality(file: str, layout: bool, plot: str | None, as_json: bool) -> None:
     """Measure the grid in FILE; exits with 1 if a cell is folded."""
     import json
 
-    from ..grids import quality as measure
     from ..io import read
+    from ..topology import quality as measure
 
     check_outputs(None, plot)
-    given = read(file)
+    given = read(file, layout=layout)
     measured = measure(given)
     click.echo(json.dumps(measured.as_dict(), indent=2) if as_json else measured.summary())
     if plot or not as_json:

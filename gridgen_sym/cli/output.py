@@ -11,7 +11,8 @@ from ..errors import GridgenError, MissingExtraError
 
 if TYPE_CHECKING:
     from ..grids import Grid
-    from ..solvers import Result
+    from ..solvers import LayoutResult, Result
+    from ..topology import MultiBlock
 
 _PICTURES = (".png", ".svg", ".pdf")
 
@@ -44,13 +45,19 @@ def report(quiet: bool, text: str) -> None:
 class Announcement:
     """The line about the start, printed when the work begins: what cannot be used has been refused by then."""
 
-    def __init__(self, quiet: bool, source: str, start: Grid) -> None:
+    def __init__(self, quiet: bool, source: str, start: Grid | MultiBlock) -> None:
         """Make the line, of a start that comes from `source`."""
-        from ..grids import quality
+        from ..topology import MultiBlock, quality
 
-        ni, nj = start.shape
-        folds = quality(start).folded_cells or "none"
-        self._quiet, self._text = quiet, f"start: {source}, {ni - 1} x {nj - 1} cells, {folds} of them folded"
+        measured = quality(start)
+        if isinstance(start, MultiBlock):
+            size = (
+                f"{_counted(len(start), 'block')}, {_counted(len(start.bonds), 'connection')}, {measured.cells} cells"
+            )
+        else:
+            size = f"{start.shape[0] - 1} x {start.shape[1] - 1} cells"
+        self._quiet = quiet
+        self._text = f"start: {source}, {size}, {measured.folded_cells or 'none'} of them folded"
 
     def __call__(self, _: object = None) -> None:
         """Print it, at the first step or after the work, but once."""
@@ -59,15 +66,28 @@ class Announcement:
             self._text = ""
 
 
-def certify_and_draw(made: Grid, plot: str | None, title: str, quiet: bool, result: Result | None = None) -> None:
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def certify_and_draw(
+    made: Grid | MultiBlock, plot: str | None, title: str, quiet: bool, result: Result | LayoutResult | None = None
+) -> None:
     """Report the proofs that the boundary of a folded grid admits no valid one, and draw it, or these.
 
-    The `result` of a solver has its own certificates.
+    The `result` of a solver has its own certificates. Those of several blocks have none: nodes on connections move.
     """
     from ..certificates import certificates
     from ..grids import quality as measure
     from ..plotting import plot_certificates, plot_grid
+    from ..solvers import LayoutResult
+    from ..topology import MultiBlock
 
+    if isinstance(made, MultiBlock) or isinstance(result, LayoutResult):
+        if plot:
+            plot_grid(made, plot, title=title)
+            report(quiet, f"wrote {plot}")
+        return
     if result:
         found = result.certificates
     else:

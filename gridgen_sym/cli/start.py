@@ -16,6 +16,7 @@ from .types import integer
 
 if TYPE_CHECKING:
     from ..grids import Grid
+    from ..topology import MultiBlock
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 _DEFAULT_CELLS = (40, 40)
@@ -56,8 +57,9 @@ def start_grid(
     sampling: str | None = None,
     sides: tuple[str, ...] = (),
     reorient: bool = True,
-) -> Grid:
-    """Return the grid to start from.
+    layout: bool = False,
+) -> Grid | MultiBlock:
+    """Return the grid to start from: of several blocks, if a file has these.
 
     Args:
         source: a domain with its parameters, an outline's file or a grid file.
@@ -66,6 +68,7 @@ def start_grid(
         sampling: of an outline: 'features' or 'equal'.
         sides: of an outline: `SIDE=LAW` for each side whose boundary nodes are spaced by a law.
         reorient: reverse a clockwise outline or grid file, and report it.
+        layout: connect the sides of a grid file of one block, too.
 
     Raises:
         GridgenError: if it is none of these, or cannot be read.
@@ -78,13 +81,15 @@ def start_grid(
         raise GridgenError(f"--size is the number of cells along xi and eta, at least 2 2; came {ni - 1} {nj - 1}")
     suffix = Path(source).suffix.lower()
     is_file = suffix in known_suffixes() or Path(source).is_file()
-    if is_file and (suffix not in known_suffixes() or (suffix == ".csv" and not _has_nodes(source))):
+    if is_file and not layout and (suffix not in known_suffixes() or (suffix == ".csv" and not _has_nodes(source))):
         return _outline_grid(source, (ni, nj), corners, sampling, sides, reorient)
     for flag, value in (("--corners", corners), ("--sampling", sampling), ("--side", sides or None)):
         if value is not None:
             raise GridgenError(f"{flag} belongs to an outline (a text file of points x,y), which {source} is not")
     if is_file:
-        return _grid_file(source, size, reorient)
+        return _grid_file(source, size, reorient, layout)
+    if layout:
+        raise GridgenError(f"--layout belongs to a grid file, which {source} is not")
     key, _, rest = source.partition(":")
     return domain(key, ni, nj, **assignments(rest.split(",") if rest else [], f"the domain {quoted(key)}"))
 
@@ -174,17 +179,33 @@ def _law_of(text: str) -> tuple[str, str]:
     return side, law
 
 
-def _grid_file(path: str, size: tuple[int, int] | None, reorient: bool) -> Grid:
-    """Return the grid of a file; one that runs clockwise is mirrored and reported, or refused."""
+def _grid_file(path: str, size: tuple[int, int] | None, reorient: bool, layout: bool) -> Grid | MultiBlock:
+    """Return the grid of a file; one block that runs clockwise is mirrored and reported, or refused."""
     from ..certificates import certificates
     from ..grids import Grid
     from ..io import read
     from ..messages import report
+    from ..topology import MultiBlock
 
     if size is not None:
         raise GridgenError(f"{path} is a grid file, which has its own number of cells: drop --size")
-    grid = read(path)
+    grid = read(path, layout=layout)
+    if isinstance(grid, MultiBlock):
+        _check_orientation(grid, path)
+        return grid
     if reorient and any(found.kind == "clockwise" for found in certificates(grid)):
         report(f"{path} runs clockwise: its sides left and right are exchanged")
         return Grid(grid.xy[::-1])
     return grid
+
+
+def _check_orientation(layout: MultiBlock, path: str) -> None:
+    """Refuse blocks that run clockwise: of several each has neighbors, so that none is mirrored by itself."""
+    from ..grids import corner_jacobians
+
+    for name, block in zip(layout.names, layout.blocks, strict=True):
+        if corner_jacobians(block.x, block.y).sum() < 0:
+            raise GridgenError(
+                f"block {name} of {path} runs clockwise, its Jacobians are negative: exchange its sides left and right "
+                "(xy[::-1]) in the file, and in the map beside it"
+            )

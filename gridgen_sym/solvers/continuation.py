@@ -12,6 +12,7 @@ from ..errors import GridgenError, quoted
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Change, Grid
+from ..grids.grid import check_grid
 from .optimize import optimize
 from .run.checks import check_controls
 from .run.deadline import Deadline, StopRequest
@@ -80,6 +81,7 @@ def continuation(
     Raises:
         GridgenError: for input that cannot be used.
     """
+    check_grid(grid)
     definition = find_functional(functional)
     check_controls(0.5, None, callback, time_limit)
     others = dict(parameters or {})

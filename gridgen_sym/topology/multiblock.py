@@ -105,7 +105,7 @@ class MultiBlock:
         sizes = ", ".join(
             f"{name}: {grid.shape[0]} x {grid.shape[1]}" for name, grid in zip(self.names, self.blocks, strict=True)
         )
-        return f"MultiBlock({sizes}; {len(self.bonds)} connections)"
+        return f"MultiBlock({sizes}; {len(self.bonds)} connection{'' if len(self.bonds) == 1 else 's'})"
 
     @property
     def node_count(self) -> int:

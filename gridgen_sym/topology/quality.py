@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import overload
+from dataclasses import dataclass, field, fields
+from typing import Any, overload
 
 import numpy as np
 
@@ -50,6 +51,15 @@ class LayoutQuality:
     def valid(self) -> bool:
         """Whether no cell is folded."""
         return self.folded_cells == 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the measures as JSON has them, by the names of the attributes; `blocks` has those of each block.
+
+        What is infinite is None.
+        """
+        numbers = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "blocks"}
+        plain = {name: value if math.isfinite(value) else None for name, value in numbers.items()}
+        return {"valid": self.valid, **plain, "blocks": {name: block.as_dict() for name, block in self.blocks.items()}}
 
     def summary(self) -> str:
         """Return the measures as a report of several lines."""
