@@ -52,11 +52,38 @@ def test_a_c_grid_with_walls_and_a_free_cut():
     assert np.array_equal(planes[:, :25, 0], planes[:, 112:87:-1, 0])
 
 
+def test_walls_may_be_given_by_the_name_of_a_boundary():
+    start, wall = gg.layout("pipe", across=6, outwards=6), gg.Wall(first=0.05)
+    found = gg.optimize(start, "winslow", walls={"wall": wall})
+    blocks = ("south", "east", "north", "west")
+    same = gg.optimize(start, "winslow", walls={name: {"bottom": wall} for name in blocks})
+    assert all(a == b for a, b in zip(found.grid.blocks, same.grid.blocks, strict=True))
+    assert heights(found.grid["south"]) == pytest.approx(0.05, rel=0.05)
+    told = {
+        "has two walls, of which one is wall": {"south": {"bottom": wall}, "wall": wall},
+        "has its own nodes": {"wall": gg.Wall(first=0.05, nodes=(0, 3))},
+        "unknown boundary 'wal' in walls; the boundaries are: wall": {"wal": wall},
+    }
+    for match, walls in told.items():
+        with pytest.raises(gg.GridgenError, match=match):
+            gg.optimize(start, "winslow", walls=walls)
+
+
+def test_a_wall_that_is_a_part_of_a_side():
+    start = gg.layout("airfoil_c", around=16, outwards=8, wake=8, first=0.02, far=2.0)
+    (part,) = start.boundaries["wall"]
+    found = gg.optimize(start, "winslow", walls={"wall": gg.Wall(first=0.02)})
+    assert found.quality.valid
+    assert heights(found.grid["airfoil"])[part.first + 2 : part.last - 1] == pytest.approx(0.02, rel=0.1)
+
+
 def test_wrong_walls_are_told():
     start = cut(gg.domain("square", 9, 9), (0, 4, 8), (0, 8))
     wall = gg.Wall(first=1e-2)
     for walls, told in (
-        ({"bottom": wall}, "are given by block and side"),
+        ({"bottom": wall}, "unknown boundary 'bottom' in walls; the boundaries are: none has a name"),
+        ({"0-0": 3}, "are given by block and side"),
+        (wall, "are given by block and side"),
         ({"2": {"bottom": wall}}, "unknown block '2'"),
         (
             {"0-0": {"right": wall}},

@@ -97,7 +97,8 @@ def optimize_layout(
     """Minimize a functional over a grid of several blocks; see `gridgen_sym.optimize`.
 
     Connected nodes move like inner ones; the outer boundary stays. `fixed`, and values that are given as a mapping from
-    the names of blocks, are for each block; `walls` by block and side, such as `{"a": {"bottom": Wall(first=1e-3)}}`.
+    the names of blocks, are for each block; `walls` by block and side, such as `{"a": {"bottom": Wall(first=1e-3)}}`,
+    or by the name of a boundary, `{"wall": Wall(first=1e-3)}`.
 
     Raises:
         GridgenError: for input that cannot be used.

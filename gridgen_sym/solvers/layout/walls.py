@@ -7,7 +7,8 @@ angles.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from ...topology import MultiBlock
 from ..multilevel.wall_continuation import WallContinuation
 from ..run.progress import Progress
 
-#: Walls as they are given: for each block by name; or of the sides of the only block.
+#: Walls as they are given: for each block by name and side; of the sides of the only block; or by boundary's name.
 LayoutWalls = Mapping[str, Mapping[str, Wall]] | Mapping[str, Wall]
 
 
@@ -30,18 +31,11 @@ def walls_of_blocks(layout: MultiBlock, walls: LayoutWalls) -> dict[str, Sides[W
     """Return the walls of every block that has some, checked.
 
     Raises:
-        GridgenError: for an unknown block or side, walls on a connection, or heights that a block has no room for.
+        GridgenError: for an unknown block, side or boundary, walls on a connection, or heights that a block has no
+            room for.
     """
-    given: Any = walls
-    if len(layout) == 1 and isinstance(given, Mapping) and any(isinstance(wall, Wall) for wall in given.values()):
-        given = {layout.names[0]: given}
-    if not isinstance(given, Mapping) or not all(isinstance(of_block, Mapping) for of_block in given.values()):
-        raise GridgenError(
-            "walls of several blocks are given by block and side, such as {'a': {'bottom': gg.Wall(first=1e-3)}}; came "
-            f"{quoted(walls)}"
-        )
     found = {}
-    for name, of_block in given.items():
+    for name, of_block in _by_block(layout, walls).items():
         grid = layout[name]
         found[name] = walls_by_side(of_block)
         check_heights(found[name], grid)
@@ -49,6 +43,42 @@ def walls_of_blocks(layout: MultiBlock, walls: LayoutWalls) -> dict[str, Sides[W
             if wall is not None:
                 _check_outer(layout, name, side, wall)
     return found
+
+
+def _by_block(layout: MultiBlock, walls: object) -> dict[str, dict[Any, Any]]:
+    """Return the walls by block and side."""
+    if not isinstance(walls, Mapping) or not all(isinstance(one, Mapping | Wall) for one in walls.values()):
+        raise GridgenError(
+            "walls of several blocks are given by block and side, such as {'a': {'bottom': gg.Wall(first=1e-3)}}, or "
+            f"by the name of a boundary; came {quoted(walls)}"
+        )
+    found: dict[str, dict[Any, Any]] = {}
+    for name, wall in walls.items():
+        if isinstance(wall, Mapping):
+            found.setdefault(name, {}).update(wall)
+        elif name in layout.boundaries:
+            for block, side, part in _on_boundary(layout, name, wall):
+                if side in found.setdefault(block, {}):
+                    raise GridgenError(
+                        f"{side} of block {block} has two walls, of which one is {name}: give one, by block and side"
+                    )
+                found[block][side] = part
+        elif len(layout) == 1:
+            found.setdefault(layout.names[0], {})[name] = wall
+        else:
+            known = ", ".join(layout.boundaries) or "none has a name"
+            raise GridgenError(f"unknown boundary {quoted(name)} in walls; the boundaries are: {known}")
+    return found
+
+
+def _on_boundary(layout: MultiBlock, name: str, wall: Wall) -> Iterator[tuple[str, str, Wall]]:
+    """Yield block, side and wall for each part of a boundary."""
+    if wall.nodes is not None:
+        raise GridgenError(f"the wall {name} is a boundary, which has its own nodes: give no nodes, or block and side")
+    for part in layout.boundaries[name]:
+        whole = part.count == layout.blocks[part.block].shape[part.axis]
+        nodes = None if whole else (part.first, part.last + 1)
+        yield layout.names[part.block], part.side, replace(wall, nodes=nodes)
 
 
 def _check_outer(layout: MultiBlock, name: str, side: str, wall: Wall) -> None:

@@ -99,7 +99,7 @@ def wye(
             [f"left {name}-{after}"],
             [f"{after}-{mouth}", f"{mouth}-{before}"],
         ]
-        blocks[f"beside {name}"] = ["center", mouth, after, f"mouth {names[(k + 1) % 3]}"]
+        blocks[f"center {k}"] = ["center", mouth, after, f"mouth {names[(k + 1) % 3]}"]
         walls += [f"{before}-right {name}", f"left {name}-{after}"]
         cells[f"{before}-right {name}"] = square_cells(upstream if k == 0 else downstream, width / across)
     boundaries = {"inlet": ["right inlet-left inlet"], "wall": walls}
