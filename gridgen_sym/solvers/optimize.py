@@ -192,7 +192,7 @@ def optimize(
         return run_to_result(solve, run.result, report)
 
 
-@on_several_blocks(untangle_layout)
+@on_several_blocks(untangle_layout, without=("slide",))
 @renamed_arguments(stacklevel=3, name="functional")
 def untangle(
     grid: Grid,

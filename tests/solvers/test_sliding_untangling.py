@@ -31,7 +31,7 @@ def quadrilateral(corners, n):
     return gg.transfinite(**{side: corners[a] + u * (corners[b] - corners[a]) for side, (a, b) in ends.items()})
 
 
-@pytest.mark.parametrize("backend", ["c", "numpy"])
+@pytest.mark.parametrize("backend", ["c", pytest.param("numpy", marks=pytest.mark.slow)])
 def test_boundary_nodes_that_slide_make_a_valid_grid_possible(backend):
     start = bend(9, 3, 3)
     result = gg.untangle(start, slide=CURVES, backend=backend)
@@ -46,6 +46,7 @@ def test_boundary_nodes_that_slide_make_a_valid_grid_possible(backend):
     np.testing.assert_array_equal(result.grid.xy[[0, -1]][:, [0, -1]], start.xy[[0, -1]][:, [0, -1]])
 
 
+@pytest.mark.slow
 def test_the_same_boundary_has_no_valid_grid_where_its_nodes_stay():
     start = bend(9, 3, 3)
     assert gg.untangle(start).status is gg.Status.IMPOSSIBLE
@@ -92,18 +93,24 @@ def test_the_local_method_keeps_valid_and_falls_in_every_sweep():
 
 
 def test_a_relaxation_lowers_the_energy_and_leaves_inner_nodes():
-    start = gg.domain("quarter_annulus", 9, 7)
+    start = gg.domain("quarter_annulus", 7, 5)
     problem = make_problem(start, "winslow", slide="all")
     moved = start.planes.copy()
     assert relax_sliding(problem, moved, floor=0.0) > 1e-3
     assert problem.energy(moved)[0] < problem.energy(start.planes)[0]
     np.testing.assert_array_equal(moved[:, 1:-1, 1:-1], start.planes[:, 1:-1, 1:-1])
     relaxed = moved.copy()
-    for _ in range(100):
+    for _ in range(50):
         longest = relax_sliding(problem, relaxed, floor=0.0)
     assert longest < 1e-7
     # Then the derivative along every curve is zero.
     assert np.abs(problem.energy_gradient(relaxed)[2][:, *problem.slide.nodes]).max() < 1e-6
+
+
+def test_several_blocks_do_not_slide():
+    blocks = gg.MultiBlock([gg.domain("square", 5, 5)])
+    with pytest.raises(gg.GridgenError, match="untangle of several blocks does not take 'slide'"):
+        gg.untangle(blocks, slide="all")
 
 
 def test_a_sum_without_the_corners_of_the_boundary_cannot_slide_node_by_node():
