@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 _COLORS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#8c6d31")
 _STYLES = ("solid", (0, (4, 1.5)), (0, (1, 1)))
 _EDGE = "#0b1016"
-#: Sizes of names: the largest at which none lies over another is taken.
-_FONTS = (9.0, 8.0, 7.0, 6.0, 5.0, 4.0)
+#: Sizes of names: the largest at which none lies over another, or, down to `_READABLE`, is wider than its block.
+_FONTS, _READABLE = (9.0, 8.0, 7.0, 6.0, 5.0, 4.0), 6.0
 
 
 def draw_blocks(ax: Axes, layout: MultiBlock, width: float) -> None:
@@ -65,10 +65,12 @@ def write_names(ax: Axes, layout: MultiBlock) -> None:
         x, y = grid.planes[:, *_middle(grid)]
         texts.append(ax.text(x, y, name, ha="center", va="center", color=_EDGE, bbox=box, zorder=10, clip_on=True))
     ax.figure.figure.draw_without_rendering()
+    widths = [float(np.ptp(ax.transData.transform(grid.planes.reshape(2, -1).T)[:, 0])) for grid in layout.blocks]
     for size in _FONTS:
         for text in texts:
             text.set_fontsize(size)
-        if not _overlap(texts):
+        wide = any(text.get_window_extent().width > width for text, width in zip(texts, widths, strict=True))
+        if not _overlap(texts) and not (wide and size > _READABLE):
             break
 
 
