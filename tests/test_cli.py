@@ -637,7 +637,10 @@ def test_a_file_as_a_target_may_have_another_angle(two_blocks):
         (("grid", "two.p2dfmt", "-f", "winslow", "--solver", "local"), "by method='newton'; came 'local'"),
         (("grid", "two.p2dfmt", "-f", "quasi_harmonic", "--continuation", "omega=1,0.1"), "came a MultiBlock of 2"),
         (("grid", "two.p2dfmt", "-f", "winslow", "--slide", "all"), "does not take 'slide'"),
-        (("grid", "swan", "-f", "winslow", "--layout"), "--layout belongs to a grid file, which swan is not"),
+        (
+            ("grid", "swan", "-f", "winslow", "--layout"),
+            "--layout belongs to a grid file or a layout's name, which swan",
+        ),
         (("adapt", "two.p2dfmt", "--to", "x"), "came a MultiBlock of 2: this is for one block"),
         (("grid", "back.p2dfmt", "-f", "winslow"), "block 1 of back.p2dfmt runs clockwise"),
     ],
@@ -647,3 +650,68 @@ def test_what_several_blocks_do_not_take_is_told(two_blocks, arguments, told):
     gg.MultiBlock([first, gg.Grid(second.xy[::-1])], []).write("back.p2dfmt")
     assert told in run(*arguments, code=2)
     assert not Path("out.vts").exists()
+
+
+TOML = """\
+[points]
+A = [0.0, 0.0]
+B = [1.0, 0.0]
+C = [1.0, 1.0]
+D = [0.0, 1.0]
+
+[blocks]
+only = ["A", "B", "C", "D"]
+
+[cells]
+A-B = 4
+B-C = 3
+
+[boundaries]
+wall = ["A-B"]
+"""
+
+
+def test_layouts_by_name_and_description():
+    listed = run("layouts").splitlines()
+    assert [line.split()[0] for line in listed] == gg.layout_names()
+    assert "start: tee:across=6,width=2, 4 blocks, 3 connections" in run(
+        "grid", "tee:across=6,width=2", "-f", "winslow", "-o", "tee.p2dfmt"
+    )
+    found = gg.read("tee.p2dfmt")
+    assert found.boundaries == gg.layout("tee", across=6, width=2.0).boundaries
+    assert "annulus, 40 x 40 cells" in run("grid", "annulus", "-f", "winslow", "--max-iterations", 1)
+    assert "annulus, 1 block, 1 connection" in run("grid", "annulus", "-f", "winslow", "--layout")
+    Path("square.toml").write_text(TOML)
+    said = run("grid", "square.toml", "-f", "winslow", "--refine", 2, "-o", "square.vtm")
+    assert "1 block, 0 connections, 48 cells" in said
+    assert list(gg.read("square.vtm", layout=True).boundaries) == ["wall"]
+
+
+def test_walls_of_layouts_are_on_boundaries_or_sides():
+    Path("square.toml").write_text(TOML)
+    for place in ("wall", "only/bottom", "bottom"):
+        run("grid", "square.toml", "-f", "winslow", "--refine", 3, "--wall", f"{place}:first=0.01", "-o", "w.vtm")
+        assert gg.read("w.vtm").y[2:-2, 1] == pytest.approx(0.01, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("square.toml", "--size", 4, 4), "square.toml has its own numbers of cells and sides: drop --size"),
+        (("swan", "--refine", 2), "--refine belongs to a layout in TOML or a mesh, which swan is not"),
+        (("tee", "--refine", 2), "--refine belongs to a layout in TOML or a mesh, which tee is not"),
+        (("tee:across",), "a parameter of the layout 'tee' is written NAME=VALUE; came 'across'"),
+        (("tee:acros=3",), "the layout 'tee' has no parameter 'acros'"),
+        (
+            ("square.toml", "--wall", "floor:first=1e-2"),
+            "by its name (wall), or on BLOCK/SIDE, blocks only; came 'floor'",
+        ),
+        (
+            ("square.toml", "--wall", "wall:first=1e-2", "--wall", "bottom:first=1e-2"),
+            "two walls are given for the side bottom of block only",
+        ),
+    ],
+)
+def test_faults_of_layouts_are_told(arguments, told):
+    Path("square.toml").write_text(TOML)
+    assert told in run("grid", *arguments, "-f", "winslow", code=2)

@@ -15,6 +15,7 @@ from .base import Program, functionals_option
 from .formulas import check, derive, docs, functionals, verify
 from .generate import generate
 from .grids import domains, grid, quality
+from .layouts import layouts
 from .system import info, paper
 
 
@@ -30,6 +31,7 @@ def main() -> None:
     """  # noqa: D301 - click reads the backspace: keep the lines
 
 
-_commands = grid, airfoil, adapt, quality, domains, functionals, derive, docs, check, verify, generate, info, paper
-for _command in _commands:
+_about_grids = grid, airfoil, adapt, quality, domains, layouts
+_about_formulas = functionals, derive, docs, check, verify, generate, info, paper
+for _command in (*_about_grids, *_about_formulas):
     main.add_command(_command)

@@ -13,10 +13,11 @@ from ..errors import GridgenError
 from ..options import SOLVERS, WEIGHT
 from .base import functionals_option
 from .field import control_of, field_of, fields_of, outside_option, target_of
+from .layouts import LAYOUT_HELP, REFINE_HELP, walls_on
 from .options import option
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import continuation_of, parameters_of, start_grid, start_options
-from .types import SizedCommand
+from .types import SizedCommand, integer
 from .walls import WALLS, walls_of
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from ..fields.outside import Outside
     from ..solvers import LayoutResult, Result
 
-LAYOUT_HELP = "Connect the sides of a grid file of one block, too: the nodes on the cut of a C- or O-grid move."
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 
 
@@ -46,6 +46,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 )
 @start_options
 @click.option("--layout", is_flag=True, help=LAYOUT_HELP)
+@click.option("--refine", type=integer, metavar="N", help=REFINE_HELP)
 @click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz, .cgns or .vtm.")
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
 @option(
@@ -96,10 +97,12 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 @functionals_option
 def grid(input: str, name: str, output: str | None, plot: str | None, quiet: bool, **options: Any) -> None:  # noqa: ANN401
-    """Make a grid from INPUT: a classical domain, an outline or a grid file.
+    """Make a grid from INPUT: a classical domain, an outline, a layout or a grid file.
 
     INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), a text file
-    with an outline (points x,y and '# corners: ...'), or a grid file, which is the start. A file of several blocks is
+    with an outline (points x,y and '# corners: ...'), the name of a layout of several blocks (see 'gridgen-sym
+    layouts'; parameters as in pipe:across=16), a layout in TOML (.toml) or a mesh of quadrilaterals (.mesh), or a grid
+    file, which is the start. A file of several blocks is
     one grid, connected as the map (.nmf) beside it says, or where nodes coincide. Exits with 1 if the result
     has folded cells or the functional has no derivative there, and after Ctrl-C, which writes the best grid so far,
     with 130.
@@ -110,12 +113,18 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
-    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "layout")}
-    solve = _solver(name, quiet, **options)
+    boundary = {
+        key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "layout", "refine")
+    }
+    walls = walls_of(options.pop("walls"))
+    solve = _solver(name, quiet, walls=walls or None, **options)
     check_outputs(output, plot)
     start = start_grid(input, **boundary)
-    if output and isinstance(start, MultiBlock):
-        check_holds(output, len(start))
+    if isinstance(start, MultiBlock):
+        if output:
+            check_holds(output, len(start))
+        if walls:
+            solve = partial(solve, walls=walls_on(start, walls))
     begin = Announcement(quiet, input, start)
     result: Result | LayoutResult = solve(start, callback=begin)
     begin()
@@ -142,7 +151,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     )
     given["fields"] = fields_of(options["fields"], options["outside"])
     given["target"] = target_of(options["target"])
-    given["walls"] = walls_of(options["walls"]) or None
+    given["walls"] = options["walls"]
     if quiet:
         given["progress"] = False
     if options["slide"]:

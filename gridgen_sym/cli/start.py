@@ -11,6 +11,7 @@ import click
 from ..errors import GridgenError, quoted
 from ..options import OUTLINE
 from ..parsing import number_in, whole_number_in
+from .layouts import DESCRIPTIONS, layout_start
 from .options import option
 from .types import integer
 
@@ -58,28 +59,38 @@ def start_grid(
     sides: tuple[str, ...] = (),
     reorient: bool = True,
     layout: bool = False,
+    refine: int | None = None,
 ) -> Grid | MultiBlock:
-    """Return the grid to start from: of several blocks, if a file has these.
+    """Return the grid to start from: of several blocks, if a file has or describes these, or a name is a layout's.
 
     Args:
-        source: a domain with its parameters, an outline's file or a grid file.
-        size: number of cells; not for a grid file, which has its own.
+        source: a domain or a layout with its parameters, the file of an outline, a grid, or a layout's description.
+        size: number of cells; not for a grid file or a layout, which have their own.
         corners: of an outline: 'auto', or four indices of its points with commas or blanks between.
         sampling: of an outline: 'features' or 'equal'.
         sides: of an outline: `SIDE=LAW` for each side whose boundary nodes are spaced by a law.
         reorient: reverse a clockwise outline or grid file, and report it.
-        layout: connect the sides of a grid file of one block, too.
+        layout: connect the sides of a grid file of one block, too; of a name that both have, take the layout.
+        refine: of the description of a layout.
 
     Raises:
         GridgenError: if it is none of these, or cannot be read.
     """
-    from ..boundary import domain
+    from ..boundary import domain, domain_names
     from ..io import known_suffixes
+    from ..topology.shapes import layout_names
 
     ni, nj = (cells + 1 for cells in size or _DEFAULT_CELLS)
     if min(ni, nj) < 3:
         raise GridgenError(f"--size is the number of cells along xi and eta, at least 2 2; came {ni - 1} {nj - 1}")
     suffix = Path(source).suffix.lower()
+    key, _, rest = source.partition(":")
+    if suffix in DESCRIPTIONS or (key in layout_names() and (layout or key not in domain_names())):
+        if size or corners or sampling or sides:
+            raise GridgenError(f"{source} has its own numbers of cells and sides: drop --size, --corners and --side")
+        return layout_start(source, refine)
+    if refine is not None:
+        raise GridgenError(f"--refine belongs to a layout in TOML or a mesh, which {source} is not")
     is_file = suffix in known_suffixes() or Path(source).is_file()
     if is_file and not layout and (suffix not in known_suffixes() or (suffix == ".csv" and not _has_nodes(source))):
         return _outline_grid(source, (ni, nj), corners, sampling, sides, reorient)
@@ -89,8 +100,7 @@ def start_grid(
     if is_file:
         return _grid_file(source, size, reorient, layout)
     if layout:
-        raise GridgenError(f"--layout belongs to a grid file, which {source} is not")
-    key, _, rest = source.partition(":")
+        raise GridgenError(f"--layout belongs to a grid file or a layout's name, which {source} is not")
     return domain(key, ni, nj, **assignments(rest.split(",") if rest else [], f"the domain {quoted(key)}"))
 
 

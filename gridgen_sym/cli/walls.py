@@ -14,13 +14,13 @@ _FORM = "write it as side:first=HEIGHT,growth=FACTOR, for example bottom:first=1
 #: What `--wall` says besides.
 WALLS = (
     " (bottom, right, top, left): 'bottom:first=1e-5,growth=1.2', with law=geometric, tanh or sinh, "
-    "layers, share, orthogonal=no and nodes=24-89"
+    "layers, share, orthogonal=no and nodes=24-89; of several blocks the name of a boundary, or BLOCK/SIDE"
 )
 _KEYS = ("first", "growth", "law", "layers", "share", "orthogonal", "nodes")
 
 
 def walls_of(texts: tuple[str, ...]) -> dict[str, Wall]:
-    """Return the walls by side.
+    """Return the walls by side, or by what `walls_on` knows of several blocks.
 
     Args:
         texts: one for each wall: the side, and after a colon `first`, `growth`, `law`, `layers`, `share`, `orthogonal`
