@@ -20,6 +20,21 @@ def shown(path: str | os.PathLike[str]) -> str:
     return shortened(os.fspath(path), 500)
 
 
+def file_name(path: str | os.PathLike[str]) -> str:
+    """Return the text of a path.
+
+    Raises:
+        GridgenError: for what is no path; a number would be the file that a process has open under it.
+    """
+    try:
+        text = os.fspath(path)
+    except TypeError:
+        text = None
+    if not isinstance(text, str) or "\0" in text:
+        raise GridgenError(f"a file name must be text or a path, but is {quoted(path)}")
+    return text
+
+
 def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = None) -> None:
     """Write a file so that `path` holds either what it held before or all of `data`, at every moment.
 
@@ -106,7 +121,7 @@ def check_target(path: str | os.PathLike[str]) -> Path:
     Raises:
         GridgenError: if it is a folder or read-only, or its folder is missing or without permission.
     """
-    target = Path(os.path.realpath(path))
+    target = Path(os.path.realpath(file_name(path)))
     if os.path.isdir(target):  # Unlike Path.is_dir, never an error, not even for a name too long.
         raise GridgenError(f"cannot write {shown(path)}: it is a folder; name a file in it")
     if not os.path.isdir(target.parent):
@@ -189,7 +204,7 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
         GridgenError: if the file is missing, a folder, a device, without permission, or empty.
     """
     try:
-        status = os.stat(path)
+        status = os.stat(file_name(path))
         if stat.S_ISCHR(status.st_mode) or stat.S_ISBLK(status.st_mode):  # Such as /dev/zero, which has no end.
             raise GridgenError(f"cannot read {shown(path)}: it is a device; name a file")
         data = Path(path).read_bytes()

@@ -239,6 +239,17 @@ def test_an_interrupt_exits_with_130(monkeypatch):
     assert "interrupted" in run("grid", "swan", "-f", "winslow", code=130)
 
 
+@pytest.mark.parametrize("text", ["raise KeyboardInterrupt", "gg.define('interrupted_one', 'g11 + g22 + J**2')"])
+def test_an_interrupt_while_a_functional_is_read_or_derived_exits_with_130(monkeypatch, text):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    Path("mine.py").write_text(f"import gridgen_sym as gg\n{text}\n")
+    monkeypatch.setattr("gridgen_sym.codegen.derivations.known_report", interrupted)
+    told = run("derive", "interrupted_one", "--functionals", "mine.py", code=130)
+    assert told.split() == ["interrupted"]
+
+
 def test_an_interrupted_solver_writes_its_best_grid_and_exits_with_130(monkeypatch):
     from gridgen_sym.solvers.run.progress import Progress
 

@@ -130,6 +130,25 @@ def test_nonsense_gets_an_error_of_the_package_and_no_other(name, tmp_path, monk
                 function(*arguments)
 
 
+def public_methods():
+    """The methods by which users read, write and make what the functions take, by name."""
+    outline = gg.Outline([(0, 0), (1, 0), (1, 1), (0, 1)], (0, 1, 2, 3))
+    for owner in (SQUARE, outline, gg.Target, gg.Weight, gg.Field):
+        for name, value in inspect.getmembers(owner, inspect.ismethod):
+            # What is made of the cells that walls ask for is for solvers.
+            if not name.startswith("_") and name != "of_cells" and required(value):
+                yield pytest.param(value, id=value.__qualname__)
+
+
+@pytest.mark.parametrize("method", [*public_methods()])
+@pytest.mark.filterwarnings("ignore")
+def test_nonsense_for_a_method_gets_an_error_of_the_package(method, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for given in (None, 3, "x", object(), [], (1, 2)):
+        with contextlib.suppress(GridgenError):
+            method(*[given] * len(required(method)))
+
+
 def test_what_is_returned_can_be_compared_and_hashed():
     clockwise = gg.Grid(SQUARE.xy[::-1])
     for make in (

@@ -20,6 +20,7 @@ from ..arrays import Array, real_array
 from ..errors import GridgenError
 from ..grids import Grid, quality
 from ..grids.grid import check_grid
+from ..runtime.process import interruptible
 from .function import difference
 from .outside import ROUNDING, Outside, check_choice
 from .structured import StructuredInterpolation
@@ -207,10 +208,10 @@ def _triangulated(points: Array, values: Array, kind: str, outside: Outside, *, 
     from scipy.spatial import ConvexHull, Delaunay, QhullError, cKDTree
 
     try:
-        triangles = Delaunay(points)
+        triangles = interruptible(partial(Delaunay, points))
     except QhullError as error:
         raise GridgenError("samples must not all lie on one line: give points that span the plane") from error
-    inside = (CloughTocher2DInterpolator if smooth else LinearNDInterpolator)(triangles, values)
+    inside = interruptible(partial(CloughTocher2DInterpolator if smooth else LinearNDInterpolator, triangles, values))
     tree: Any = cKDTree(points)
     middle, extent = points.mean(axis=0), float(np.ptp(points, axis=0).max())
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
-from ..atomic import check_target, read_bytes, shown, write_bytes, write_folder
-from ..errors import GridgenError, MissingExtraError, quoted
+from ..atomic import check_target, file_name, read_bytes, shown, write_bytes, write_folder
+from ..errors import GridgenError, MissingExtraError
 from ..grids.grid import Grid, check_grid
 from . import cgns, npz, plot3d, tables, vtk, vtm
 
@@ -162,12 +162,7 @@ def _write_blocks(blocks: dict[str, Grid], path: Path, suffix: str) -> None:
 
 def _suffix_of(path: str | os.PathLike[str]) -> str:
     """Return the suffix of a path, which must be that of a format."""
-    try:
-        text = os.fspath(path)
-    except TypeError:
-        text = None
-    if not isinstance(text, str) or "\0" in text:
-        raise GridgenError(f"a file name must be text or a path, but is {quoted(path)}")
+    text = file_name(path)
     suffix = Path(text).suffix.lower()
     if suffix not in known_suffixes():
         forms = {key: form.name for key, form in _FORMATS.items()} | {_FOLDED: "VTK XML multi-block file"}

@@ -1,4 +1,4 @@
-"""Run a program with a time limit, and end all processes that it has started."""
+"""Run a program with a time limit, and end all processes that it has started; wait so that Ctrl-C ends the wait."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ import signal
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextvars import ContextVar
+from typing import TypeVar
+
+_Made = TypeVar("_Made")
 
 #: Returns the seconds that are left to whoever needs a program, and raises when there are none.
 _seconds_left: ContextVar[Callable[[], float]] = ContextVar("_seconds_left", default=lambda: float("inf"))
@@ -31,6 +35,24 @@ def time_limited(seconds_left: Callable[[], float]) -> Iterator[None]:
 def seconds_left() -> float:
     """Return the seconds that the context allows; raises what the context does when the time is over."""
     return _seconds_left.get()()
+
+
+def interruptible(work: Callable[[], _Made]) -> _Made:
+    """Return what a function makes in another thread; Ctrl-C does not wait for its end.
+
+    For long calls into compiled libraries: Python answers Ctrl-C between its own instructions only. What has been
+    interrupted goes on unseen until it ends, or the process does.
+    """
+    made: Future[_Made] = Future()
+
+    def make() -> None:
+        try:
+            made.set_result(work())
+        except BaseException as error:
+            made.set_exception(error)
+
+    threading.Thread(target=make, daemon=True).start()
+    return made.result()
 
 
 def run(command: list[str], seconds: float) -> subprocess.CompletedProcess[str] | None:
