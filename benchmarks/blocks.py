@@ -2,8 +2,8 @@
 
     python benchmarks/blocks.py [--nodes N ...] [--cuts KxL ...]
 
-Prints the table of docs/tutorials/blocks.md: processor seconds of both in one run, their ratio, the time per node over
-that of the first row with as many blocks, and the largest difference of the two grids over the extent.
+Prints the table of docs/explanations/blocks.md: processor seconds of both in one run, their ratio, the time per node
+over that of the first row with as many blocks, and the largest difference of the two grids over the extent.
 """
 
 from __future__ import annotations

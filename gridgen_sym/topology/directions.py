@@ -15,6 +15,7 @@ def direction_groups(bonds: Sequence[Bond], blocks: int) -> list[tuple[int, int]
 
     def root(key: tuple[int, int]) -> tuple[int, int]:
         while parent[key] != key:
+            parent[key] = parent[parent[key]]
             key = parent[key]
         return key
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from layouts import assembled, butterfly, cut, ring
 from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
+from gridgen_sym.solvers.layout import optimize as solver
 from gridgen_sym.solvers.layout.binding import make_layout_problem
 
 SIZE = (13, 17)
@@ -40,6 +42,29 @@ CASES = [
 ]
 
 
+@pytest.fixture
+def apart(monkeypatch):
+    """Let solvers not put blocks together."""
+    monkeypatch.setattr(solver, "merge", lambda layout: SimpleNamespace(layout=layout))
+
+
+def test_blocks_are_put_together(monkeypatch):
+    """Where nothing but the functional is given, the cuts cost nothing: the blocks are solved as one."""
+    sizes = []
+
+    def make(on, *given, **named):
+        sizes.append(len(on))
+        return make_layout_problem(on, *given, **named)
+
+    monkeypatch.setattr(solver, "make_layout_problem", make)
+    start = cut(gg.domain("wavy", *SIZE), *CUTS["3 x 5"])
+    found = gg.optimize(start, "winslow")
+    assert set(sizes) == {1}
+    assert [grid.shape for grid in found.grid.blocks] == [grid.shape for grid in start.blocks]
+    assert gg.untangle(found.grid).grid.names == start.names
+
+
+@pytest.mark.usefixtures("apart")
 @pytest.mark.parametrize(("name", "given"), CASES)
 @pytest.mark.parametrize("lines", CUTS.values(), ids=CUTS)
 def test_a_grid_is_the_same_however_it_is_cut(lines, name, given, own):
@@ -107,6 +132,7 @@ def cascade(pitches):
     return gg.MultiBlock(blocks, bonds)
 
 
+@pytest.mark.usefixtures("apart")
 def test_a_cascade_is_the_same_with_one_more_pitch():
     one, two = (gg.optimize(cascade(pitches), "winslow", tolerance=1e-12) for pitches in (1, 2))
     assert one.converged
@@ -127,6 +153,7 @@ def test_a_sector_is_a_part_of_its_annulus():
     assert radii == pytest.approx(np.broadcast_to(3.0 ** (np.arange(9) / 8), (5, 9)), rel=1e-12)
 
 
+@pytest.mark.usefixtures("apart")
 def test_a_pipe_is_as_symmetric_as_its_layout_and_the_best_of_its_neighbors():
     found = gg.optimize(butterfly(8, 6), "winslow", tolerance=1e-13)
     assert found.converged
@@ -189,6 +216,7 @@ def test_lines_cross_the_cut_of_nasas_c_grids_without_a_kink(name):
     assert kinks(found.grid.blocks[0].planes).max() < 0.1
 
 
+@pytest.mark.usefixtures("apart")
 def test_a_folded_layout_is_untangled():
     lines = (0, 8, 16), (0, 16)
     start = cut(gg.domain("zee", 17, 17), *lines)
@@ -232,6 +260,7 @@ def test_what_layouts_do_not_take_is_told():
         gg.optimize(start, "winslow", "local")
 
 
+@pytest.mark.usefixtures("apart")
 def test_copies_stay_equal_bit_by_bit():
     found = gg.optimize(cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 4, 8)), "winslow").grid
     copies = found.copies

@@ -67,7 +67,7 @@ def test_an_interface_that_nobody_drew_becomes_smooth():
         return np.degrees(np.abs(np.arctan2(cross, (up * down).sum(axis=1)))).max()
 
     assert bend(start) > 10
-    assert bend(gg.optimize(start, "winslow").grid) < 1
+    assert bend(gg.optimize(start, "winslow").grid) < 2
 
 
 def test_all_numbers_of_cells_can_be_multiplied(tmp_path):

@@ -96,4 +96,5 @@ class _Function:
 def _argument(value: Any) -> Any:  # noqa: ANN401
     """Return an argument as C takes it: the address of an array's first number, or of the first address of values."""
     array = value.pointers if isinstance(value, Values) else value
-    return array.ctypes.data if isinstance(array, np.ndarray) else array
+    # Three times as fast as `array.ctypes.data`, which counts where grids are small.
+    return array.__array_interface__["data"][0] if isinstance(array, np.ndarray) else array

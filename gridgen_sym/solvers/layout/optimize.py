@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +15,13 @@ from ...errors import GridgenError, quoted
 from ...fields.target import Target
 from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
+from ...functionals.metric import LOGICAL_NAMES
 from ...functionals.registry import functional as find_functional
 from ...grids import Grid
 from ...topology import MultiBlock
+from ...topology.merging import Merged, merge
 from ...topology.quality import quality
+from ..binding import make_problem
 from ..logical import Spacing
 from ..newton.minimize import minimize
 from ..run.checks import check_controls
@@ -131,6 +134,26 @@ def optimize_layout(
             backend=backend,
         )
 
+    alike = weight is None and not fields and not fixed and walls is None and spacing in ("unit", "index")
+    alike = alike and (target is None or isinstance(target, dict))
+    if alike and not _names_place(grid, definition, parameters, backend):
+        merged = merge(grid)
+        if len(merged.layout) < len(grid):
+            found = optimize_layout(
+                merged.layout,
+                definition,
+                target=merged.join([one.planes for one in target.values()]) if isinstance(target, dict) else None,
+                parameters=parameters,
+                tolerance=tolerance,
+                max_iterations=max_iterations,
+                keep_valid=keep_valid,
+                spacing=spacing,
+                callback=callback,
+                time_limit=time_limit,
+                progress=progress,
+                backend=backend,
+            )
+            return _of_all_blocks(found, grid, merged)
     limit = _STEPS if max_iterations is None else max_iterations
     with Progress(f"{definition.name}, {len(grid)} blocks", callback, progress, Deadline(time_limit)) as report:
         problem = make(grid)
@@ -161,6 +184,20 @@ def optimize_layout(
             return minimized()
 
         return run_to_result(solve, run.result, report)
+
+
+def _names_place(
+    layout: MultiBlock, functional: Functional, parameters: Mapping[str, float] | None, backend: str | None
+) -> bool:
+    """Whether the density names xi or eta, which are others where blocks are put together."""
+    planes = make_problem(layout.blocks[0], functional, parameters=parameters, backend=backend).kernels.planes
+    return bool(set(LOGICAL_NAMES) & set(planes))
+
+
+def _of_all_blocks(found: LayoutResult, layout: MultiBlock, merged: Merged) -> LayoutResult:
+    """Return the result on merged blocks as one on those that were given."""
+    planes = merged.split([block.planes for block in found.grid.blocks])
+    return replace(found, grid=layout.moved(planes))
 
 
 def _with_walls(
@@ -228,6 +265,19 @@ def untangle_layout(
             on, definition, fixed=fixed if on is grid else None, parameters=parameters, backend=backend
         )
 
+    if not fixed:
+        merged = merge(grid)
+        if len(merged.layout) < len(grid):
+            found = untangle_layout(
+                merged.layout,
+                definition,
+                parameters=parameters,
+                callback=callback,
+                time_limit=time_limit,
+                progress=progress,
+                backend=backend,
+            )
+            return _of_all_blocks(found, grid, merged)
     problem = make(grid)
     if not problem.kernels.barrier:
         raise GridgenError(
