@@ -52,6 +52,12 @@ def test_a_drawn_curve_is_taken_between_its_points():
     assert np.array_equal(layout["one"].xy[-1], layout["two"].xy[0])
 
 
+def test_the_ends_of_a_curve_are_its_points_bit_by_bit():
+    near = Curve(("b", "c"), straight(np.array([1 + 1e-7, 0.0]), np.array([1.0, 1 - 1e-7])))
+    layout = Wireframe(POINTS, {"near": near}, BLOCKS, CELLS, {}).layout()
+    assert layout["one"].xy[-1, [0, -1]].tolist() == [[1, 0], [1, 1]]
+
+
 def test_a_block_may_close_round_a_hole():
     points = {"p": (1, 0), "q": (-1, 0), "u": (3, 0), "v": (-3, 0)}
     curves = {}
