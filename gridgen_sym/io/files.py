@@ -168,5 +168,7 @@ def _suffix_of(path: str | os.PathLike[str]) -> str:
         forms = {key: form.name for key, form in _FORMATS.items()} | {_FOLDED: "VTK XML multi-block file"}
         known = ", ".join(f"{key} ({name})" for key, name in forms.items())
         what = f"the suffix '{suffix}' is unknown" if suffix else "it has no suffix"
+        if suffix in (".toml", ".mesh"):
+            what = "it describes a layout, which gridgen_sym.read_layout reads"
         raise GridgenError(f"unknown format of the grid file {shown(text)}: {what}; use one of {known}")
     return suffix

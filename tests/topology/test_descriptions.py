@@ -159,5 +159,9 @@ def test_what_is_no_layout_is_told(tmp_path, text, told):
 def test_other_files_are_told(tmp_path):
     with pytest.raises(gg.GridgenError, match=r"expected a description \(.toml\) or a mesh of quadrilaterals"):
         gg.read_layout(tmp_path / "grid.xyz")
+    with pytest.raises(
+        gg.GridgenError, match=r"it describes a layout, which gridgen_sym\.read_layout reads; use one of"
+    ):
+        gg.read(EXAMPLES[0])
     with pytest.raises(gg.GridgenError, match=r"refine must be a whole number, at least 1 for .toml; came 0"):
         read(tmp_path, SQUARE, refine=0)
