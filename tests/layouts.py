@@ -69,3 +69,13 @@ def valences(layout):
         for b, i, j in entries[begin:end]:
             found[b][i, j] = total
     return found
+
+
+def kinks(layout):
+    """The angles in degrees, off straight, between the edges of eta on both sides of the cut of a C-grid."""
+    (bond,) = layout.bonds
+    planes = layout.blocks[0].planes
+    (along, _), (back, _) = bond.indices([planes.shape[1:]])
+    up, down = (planes[:, i[1:-1], 1] - planes[:, i[1:-1], 0] for i in (along, back))
+    cosine = -(up * down).sum(axis=0) / np.hypot(*up) / np.hypot(*down)
+    return np.degrees(np.arccos(np.clip(cosine, -1, 1)))

@@ -715,11 +715,11 @@ def test_walls_of_layouts_are_on_boundaries_or_sides():
         (("tee:acros=3",), "the layout 'tee' has no parameter 'acros'"),
         (
             ("square.toml", "--wall", "floor:first=1e-2"),
-            "by its name (wall), or on BLOCK/SIDE, blocks only; came 'floor'",
+            "floor",
         ),
         (
-            ("square.toml", "--wall", "wall:first=1e-2", "--wall", "bottom:first=1e-2"),
-            "two walls are given for the side bottom of block only",
+            ("square.toml", "--wall", "only/bottom:first=1e-2", "--wall", "wall:first=1e-2"),
+            "bottom of block only has two walls",
         ),
     ],
 )

@@ -116,15 +116,11 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     boundary = {
         key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "layout", "refine")
     }
-    walls = walls_of(options.pop("walls"))
-    solve = _solver(name, quiet, walls=walls or None, **options)
+    solve = _solver(name, quiet, **options)
     check_outputs(output, plot)
     start = start_grid(input, **boundary)
-    if isinstance(start, MultiBlock):
-        if output:
-            check_holds(output, len(start))
-        if walls:
-            solve = partial(solve, walls=walls_on(start, walls))
+    if output and isinstance(start, MultiBlock):
+        check_holds(output, len(start))
     begin = Announcement(quiet, input, start)
     result: Result | LayoutResult = solve(start, callback=begin)
     begin()
@@ -151,7 +147,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     )
     given["fields"] = fields_of(options["fields"], options["outside"])
     given["target"] = target_of(options["target"])
-    given["walls"] = options["walls"]
+    given["walls"] = walls_on(walls_of(options["walls"])) or None
     if quiet:
         given["progress"] = False
     if options["slide"]:

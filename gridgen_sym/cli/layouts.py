@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -65,43 +64,16 @@ def _value(text: str) -> int | float | str:
     return text
 
 
-def walls_on(layout: MultiBlock, walls: dict[str, Wall]) -> dict[str, dict[str, Wall]]:
-    """Return the walls of `--wall` by block and side.
-
-    Args:
-        layout: the blocks.
-        walls: by the name of a boundary, by `BLOCK/SIDE`, or of one block by the side.
-
-    Raises:
-        GridgenError: for another place, or a side with two walls.
-    """
-    found: dict[str, dict[str, Wall]] = {}
+def walls_on(walls: dict[str, Wall]) -> dict[str, Any]:
+    """Return the walls of `--wall` as solvers take them: those on `BLOCK/SIDE` by block, others as they are."""
+    found: dict[str, Any] = {}
     for place, wall in walls.items():
-        for block, side, own in _places(layout, place, wall):
-            if side in found.setdefault(block, {}):
-                raise GridgenError(f"two walls are given for the side {side} of block {block}: give one")
-            found[block][side] = own
+        block, slash, side = place.rpartition("/")
+        if slash:
+            found.setdefault(block, {})[side] = wall
+        else:
+            found[place] = wall
     return found
-
-
-def _places(layout: MultiBlock, place: str, wall: Wall) -> list[tuple[str, str, Wall]]:
-    """Return block, side and wall of each side that a wall is on."""
-    from ..boundary.sides import Sides
-
-    if place in layout.boundaries:
-        return [
-            (layout.names[part.block], part.side, replace(wall, nodes=wall.nodes or (part.first, part.last + 1)))
-            for part in layout.boundaries[place]
-        ]
-    block, slash, side = place.rpartition("/")
-    block = block if slash or len(layout) > 1 else layout.names[0]
-    if block not in layout.names or side not in Sides._fields:
-        named = ", ".join(layout.boundaries) or "there are none"
-        raise GridgenError(
-            f"a wall is on a boundary by its name ({named}), or on BLOCK/SIDE, blocks {', '.join(layout.names)}; came "
-            f"{quoted(place)}"
-        )
-    return [(block, side, wall)]
 
 
 @click.command()
