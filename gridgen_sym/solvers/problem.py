@@ -169,15 +169,19 @@ class Problem:
         values, inner = self.values(coordinates), self.interior_only
         if values is not None or inner:
             found = self.kernels.energy_gradient(coordinates, values, self.steps, interior_only=inner)[2]
-            add_spring_gradient(self.slide, coordinates, found)
-            return found
+        else:
+            found = self._gradient_of_cells_at_sides(coordinates)
+        add_spring_gradient(self.slide, coordinates, found)
+        return found
+
+    def _gradient_of_cells_at_sides(self, coordinates: Array) -> Array:
+        """Return the gradient at the sides from the cells beside them, which are all that counts there."""
         found = np.zeros_like(coordinates)
-        every, first, last = slice(None), slice(None, 2), slice(-2, None)  # Only the cells beside a side count there.
+        every, first, last = slice(None), slice(None, 2), slice(-2, None)
         strips = (every, first), (every, last), (every, every, first), (every, every, last)
         for strip, side in zip(strips, SIDES, strict=True):
             beside = np.ascontiguousarray(coordinates[strip])
             found[side] = self.kernels.energy_gradient(beside, None, self.steps)[2][side]
-        add_spring_gradient(self.slide, coordinates, found)
         return found
 
     def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:

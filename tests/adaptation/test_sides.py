@@ -97,6 +97,9 @@ def test_springs_go_to_the_density_by_the_damping_and_not_beyond():
         for damping in (1e-9, 0.5, 1.0, 2.0)
     }
     at_edges = np.array([1.125, 1.375, 1.625, 1.875])
+    uneven = gg.Grid(square(5).xy ** 1.5)
+    over = [SideSpacing(curves).toward(uneven, density, damping, 1.0)["bottom"].springs for damping in (1.0, 2.0)]
+    np.testing.assert_array_equal(*over)
     # Of even edges none is pulled more than the others.
     np.testing.assert_allclose(springs[1e-9] / springs[1e-9].mean(), 1, rtol=1e-8)
     np.testing.assert_allclose(springs[0.5] / springs[0.5].mean(), at_edges**0.5 / (at_edges**0.5).mean())

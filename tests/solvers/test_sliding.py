@@ -10,6 +10,7 @@ import gridgen_sym as gg
 from gridgen_sym.boundary.slide_curve import SlideCurve, chord_fractions, slide_curve
 from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.sliding.side import SlidingSide, side_index
+from gridgen_sym.solvers.subdomains import restrict
 
 SIDES_ALL = "bottom", "right", "top", "left"
 
@@ -64,7 +65,7 @@ def sprung_quarter():
     random = np.random.default_rng(7)
     curves = {side: slide_curve(curve) for side, curve in QUARTER.items()}
     for side in ("bottom", "left", "right"):
-        curves[side] = replace(curves[side], springs=random.uniform(10.0, 50.0, 6))
+        curves[side] = replace(curves[side], springs=random.uniform(100.0, 500.0, 6))
     return curves
 
 
@@ -139,6 +140,37 @@ def test_nodes_slide_on_coarse_grids_so_that_the_finest_takes_few_steps():
     start = gg.domain("quarter_annulus", 65, 65)
     shapes = [step.shape for step in gg.optimize(start, "winslow", slide="all").history]
     assert shapes.count((65, 65)) <= 3
+
+
+def test_coarse_grids_that_cut_off_a_bend_lead_nowhere():
+    """On 17 x 17 nodes an edge of the swan's top spans its bay: the finer grids would keep that."""
+    result = gg.optimize(gg.domain("swan", 33, 33), "winslow", slide="all")
+    assert result.converged
+    assert "cut off" not in result.message
+
+
+def test_a_subdomain_slides_where_it_reaches_a_sliding_side():
+    start = uneven_quarter(12)
+    problem = make_problem(start, "winslow", slide={side: QUARTER[side] for side in ("bottom", "left")})
+    window = slice(0, 6), slice(0, 5)
+    part, coordinates = restrict(problem, start.planes, window)
+    np.testing.assert_array_equal(coordinates, start.planes[:, *window])
+    bottom, left = part.slide.sides
+    assert (bottom.name, left.name) == ("bottom", "left")
+    np.testing.assert_allclose(bottom.curve.point(bottom.at), start.xy[:6, 0], atol=1e-12)
+    np.testing.assert_allclose(left.curve.point(left.at), start.xy[0, :5], atol=1e-12)
+    np.testing.assert_array_equal(bottom.free, [False, True, True, True, True, False])
+    assert restrict(problem, start.planes, (slice(3, 9), slice(2, 13)))[0].slide is None
+
+
+def test_nodes_that_are_relaxed_together_have_no_cell_in_common():
+    slide = make_problem(uneven_quarter(6), "winslow", slide=QUARTER).slide
+    masks = list(slide.colors())
+    np.testing.assert_array_equal(np.sum(masks, axis=0), 1)
+    for mask in masks:
+        i, j = (index[mask] for index in slide.nodes)
+        apart = np.maximum(np.abs(i[:, None] - i), np.abs(j[:, None] - j)) + 9 * np.eye(len(i))
+        assert apart.min() > 1
 
 
 def test_a_finer_side_takes_the_spacing_of_a_coarser_one():

@@ -48,6 +48,9 @@ def test_nodes_stay_at_turns_where_that_is_best_or_was_asked():
     assert "Sharp turns" not in result.message
     wall = gg.optimize(roof(6), "winslow", slide=("bottom", "top"), walls={"left": gg.Wall(0.05)})
     np.testing.assert_allclose(wall.grid.xy[6, 0], [0.5, 0.25], atol=1e-12)
+    # A weight per node belongs to the nodes: others would bring theirs to the turn.
+    weighted = gg.optimize(roof(6), "winslow", slide="all", weight=gg.Weight(1 + roof(6).x))
+    np.testing.assert_allclose(weighted.grid.xy[6, 0], [0.5, 0.25], atol=1e-12)
 
 
 @pytest.mark.slow

@@ -83,7 +83,7 @@ class Search:
     @property
     def done(self) -> bool:
         """Whether no cell is left that moving free nodes may repair, or it is proved that none can be mended."""
-        if self.problem.slide is None and any(proof.impossible for proof in self.certificates or ()):
+        if any(proof.impossible for proof in self.certificates or ()):
             return True
         return not self.problem.folds(self.best.coordinates, mendable=True).cells
 
