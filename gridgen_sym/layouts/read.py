@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..atomic import read_bytes, shown
+from ..atomic import file_name, read_bytes, shown
 from ..errors import GridgenError, quoted
 from ..topology import MultiBlock
 from . import description, mfem
@@ -32,7 +32,7 @@ def read_layout(path: str | os.PathLike[str], *, refine: int | None = None) -> M
     Raises:
         GridgenError: for a file that is missing, of another kind or describes no layout; the message names the path.
     """
-    suffix = Path(path).suffix.lower()
+    suffix = Path(file_name(path)).suffix.lower()
     if suffix not in (".toml", ".mesh"):
         raise GridgenError(
             f"cannot read a layout from {shown(path)}: expected a description (.toml) or a mesh of quadrilaterals "
