@@ -11,6 +11,7 @@ from ..parsing import number_in
 from . import expression
 from .field_kinds import all_components
 from .metric import DENSITY_NAMES, symbol, symbolic_metric, sympy_functions
+from .signs import without_known_signs
 
 Density = Callable[..., Any]
 #: What a density function returns: a SymPy expression, whose package is not loaded here.
@@ -78,6 +79,7 @@ class Functional:
                 f"the density of functional {self.name!r} is not a formula: expected an expression in the "
                 "metric such as (m.g11 + m.g22)/m.J; check that the function returns it"
             )
+        density = without_known_signs(density, self.constraints, (*self.parameters, *self.components))
         floats = density.atoms(sympy.Float)
         return with_choices(density).xreplace({value: sympy.Rational(repr(float(value))) for value in floats})
 

@@ -7,6 +7,8 @@ from .run.status import Outcome, Status
 
 #: A factor by which the gradient can always fall in spite of rounding.
 _MODEST = 0.1
+#: Where no step lowers the energy the gradient may be so many times what one sample of rounding gives.
+_FEW = 4.0
 #: A smallest Jacobian below this part of the mean is nearly folded. If the energy then falls by the factor, the start
 #: did not set the scale of the test.
 _ALL_BUT_FOLDED, _STEEP = 1e-3, 0.1
@@ -55,6 +57,14 @@ class ConvergenceTest:
         if self._tolerance * self.first < iterate.norm <= self._round_off:
             self._round_off = _round_off(iterate)
         return iterate.norm <= self.norm
+
+    def is_by_rounding(self, iterate: Iterate) -> bool:
+        """Return whether the gradient is larger than its tolerance, and rounding is why it counts as small enough."""
+        return iterate.norm > self._tolerance * self.first
+
+    def at_round_off(self, iterate: Iterate) -> bool:
+        """Return whether rounding alone makes the gradient of an iterate at which no step lowers the energy."""
+        return self._tolerance < _MODEST and iterate.norm <= _FEW * _round_off(iterate)
 
 
 def converged(what: str, norm: float, first: float, iteration: int, remark: str = "") -> Outcome:

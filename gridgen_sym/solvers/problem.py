@@ -206,7 +206,7 @@ class Problem:
             return self._local_round_off(coordinates, gradient, self._lengths)
         size = max(float(coordinates.max()), -float(coordinates.min()))
         # Before the copy of the grid, so that no two temporaries are in memory at once.
-        little, scale = 1e-4 * mean_edge_length(coordinates), self.gradient_scale(coordinates, 1.0)
+        little, scale = self._little(coordinates), self.gradient_scale(coordinates, 1.0)
         # Products of random signs per row and per column are uncorrelated between nodes, and cost nothing.
         rows, columns = (
             np.random.default_rng(seed).choice((-little, little), (2, count))
@@ -224,6 +224,14 @@ class Problem:
         # A gradient that does not change at all (of a null Lagrangian) still is a sum of rounded terms.
         summed = 10 * eps * scale * abs(energy) if np.isfinite(energy) else 0.0
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
+
+    def _little(self, coordinates: Array) -> float:
+        """Return how far nodes are moved to measure rounding: a small part of an edge that folds no cell."""
+        part = 1e-4
+        if self.kernels.barrier:
+            smallest = self.energy(coordinates)[1] / (self.mean_jacobian(coordinates) or 1.0)
+            part = min(part, max(0.05 * smallest, 1e-9)) if smallest > 0 else part
+        return part * mean_edge_length(coordinates)
 
     def measure_locally(self, coordinates: Array) -> None:
         """Measure gradients from now on in the lengths of a grid's own edges, where these differ by many magnitudes.

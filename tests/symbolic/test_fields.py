@@ -12,8 +12,10 @@ from support import close, run
 
 from gridgen_sym.codegen.programs import kernel
 from gridgen_sym.functionals.definition import Functional
+from gridgen_sym.functionals.metric import symbol
 from gridgen_sym.functionals.variant import Modes
 from gridgen_sym.symbolic import euler_lagrange
+from gridgen_sym.symbolic.classify.classification import classify
 from gridgen_sym.symbolic.coordinates import FIRST_DERIVATIVES, SECOND_DERIVATIVES, expand_metric
 
 EDGES = [str(p) for p in FIRST_DERIVATIVES]
@@ -249,3 +251,31 @@ def moved(values, name, h):
             higher = f"{head}_{''.join(sorted(tail + name))}" if tail in ("x", "y") else f"{key}_{name}"
             changed[key] += h * values.get(higher, 0)
     return changed
+
+
+def test_witnesses_have_the_names_of_declared_fields():
+    """At the witness itself det A is negative."""
+    density = "M11*g11 - M22*g22 + M12*g12 + p*J**2/g11"
+    tensor = Functional("witnessed", density, fields={"M": "symmetric", "p": "scalar"}, constraints=("p > 0",))
+    found = classify(tensor)
+    witness = dict(found.ellipticity.witness)
+    names = {str(name) for name in witness}
+    assert names == {"M11", "M12", "M22", "p", "x_xi", "x_eta", "y_xi", "y_eta", "k1", "k2"}
+    assert witness[symbol("M11")] * witness[symbol("M22")] > witness[symbol("M12")] ** 2
+    assert witness[symbol("p")] > 0
+    assert expand_metric(found.symbol.det()).subs(witness) < 0
+
+
+def test_signs_that_constraints_fix_are_taken():
+    def expression(density, *constraints):
+        fields = {"c": "scalar", "d": "scalar"}
+        return str(
+            Functional("signs", density, parameters={"k": 1.0}, fields=fields, constraints=constraints).expression()
+        )
+
+    assert expression("sqrt(c*c)*g11", "c > 0") == "c*g11"
+    assert expression("sqrt(c**2*d**2) + abs(k)*J", "c >= 1", "0 <= k") == "J*k + c*Abs(d)"
+    assert expression("abs(c*d)*g11", "0 < c < 2", "d >= 0") == "c*d*g11"
+    for constraint in ("c > -1", "c < 1", "c == 1", "c + d > 0"):
+        assert expression("sqrt(c*c)*g11", constraint) == "g11*Abs(c)"
+    assert expression("abs(c - 1)*g11", "c > 0") == "g11*Abs(c - 1)"

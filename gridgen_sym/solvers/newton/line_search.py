@@ -12,6 +12,10 @@ from ..iterate import Iterate
 
 #: Armijo's constant, and how often a step is halved.
 _SUFFICIENT, _HALVINGS = 1e-4, 40
+#: Steps shorter than this part of the grid may change the energy by less than its rounding, which is so many times its
+#: change when all coordinates change by a rounding error; the gradient's norm must then fall to this fraction.
+_LITTLE, _NOISES, _LESS = 1e-5, 4.0, 0.9
+_ULP = 4 * float(np.finfo(float).eps)
 
 
 @dataclass(slots=True)
@@ -42,11 +46,35 @@ class LineSearch:
         for _ in range(_HALVINGS):
             self.energy, smallest = self._energy_at(direction, self.length)
             lower = self.energy <= self.iterate.energy + _SUFFICIENT * self.length * slope + round_off
+            lower = lower or (self.length == 1.0 and self._is_less_steep(direction, slope))
             if lower and smallest > self.lowest and self._values_exist():
                 return True
             self.folds |= bool(lower) and not smallest > self.lowest
             self.length *= 0.5
         return False
+
+    def halves_gradient(self, direction: Array) -> bool:
+        """Return whether a whole step halves the gradient's norm and folds nothing; the trial grid is that after it."""
+        problem = self.iterate.problem
+        smallest = self._energy_at(direction, 1.0)[1]
+        if not smallest > self.lowest or not self._values_exist():
+            return False
+        return bool(problem.norm(problem.energy_gradient(self.trial)[2]) <= 0.5 * self.iterate.norm)
+
+    def _is_less_steep(self, direction: Array, slope: float) -> bool:
+        """Return whether the trial grid has a smaller gradient, where rounding hides how the energy changes.
+
+        So it is near a minimum where large terms of the energy cancel, such as a target that is attained.
+        """
+        iterate, little = self.iterate, _LITTLE * float(np.ptp(self.iterate.coordinates))
+        if not (np.isfinite(self.energy) and float(np.abs(direction).max()) <= little):
+            return False
+        trial = self.trial.copy()
+        noise = _NOISES * max(abs(self._energy_of(trial * (1 + k * _ULP)) - self.energy) for k in (1, -1))
+        if not (-slope <= noise and self.energy <= iterate.energy + noise):
+            return False
+        gradient = iterate.problem.energy_gradient(trial)[2]
+        return bool(iterate.problem.norm(gradient) <= _LESS * iterate.norm)
 
     def away(self, direction: Array) -> bool:
         """Find the length, up to one that moves a node across the grid, that lowers the energy most and folds nothing.
@@ -78,6 +106,12 @@ class LineSearch:
             return self.iterate.problem.energy(self.trial)
         except UnusableValueError:
             return np.inf, -np.inf
+
+    def _energy_of(self, coordinates: Array) -> float:
+        try:
+            return self.iterate.problem.energy(coordinates)[0]
+        except UnusableValueError:
+            return np.inf
 
     def _values_exist(self) -> bool:
         """Return whether values that are held now can be evaluated on the trial grid, once the step is taken."""

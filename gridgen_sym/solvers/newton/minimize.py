@@ -29,6 +29,10 @@ _WINDOW, _WINDOW_STEPS = 3e-1, 40
 #: Values that are evaluated anew after every step may never let the grid settle: steps without a smaller gradient.
 _UNSETTLED = 50
 
+#: After so many steps that have not halved the gradient rounding may be the reason.
+_NO_BETTER = 20
+_AT_ROUND_OFF = " It is as small as rounding lets it be."
+
 #: Over the largest coordinate: Newton steps that are not longer move the nodes by rounding errors only.
 _ROUNDING = 100 * float(np.finfo(float).eps)
 
@@ -86,10 +90,15 @@ def minimize(
     linear = solver or problem.solver()
     steps = NewtonSteps(problem, linear, progress.deadline, semidefinite)
     extent, trial, least = float(np.ptp(coordinates)), np.empty_like(coordinates), (iterate.norm, 0)
+    halved = least
     for iteration in range(max_iterations + 1):
         if until_valid and iterate.smallest > 0:
             return Outcome(Status.CONVERGED, "the grid is valid.")
         if convergence.reached(iterate):
+            search = LineSearch(iterate, control.lowest(iterate.smallest), trial)
+            if iteration < max_iterations and convergence.is_by_rounding(iterate) and _polish(steps, search):
+                iteration += 1
+                progress.step(iteration, iterate.energy, iterate.norm, iterate.smallest)
             # Steps that a barrier itself shortens are not reported.
             return converged("gradient", iterate.norm, convergence.first, iteration, "" if barrier else str(control))
         if iteration == max_iterations:
@@ -101,6 +110,8 @@ def minimize(
         search = LineSearch(iterate, control.lowest(iterate.smallest), trial)
         step = steps.downhill(search)
         if step is None:
+            if convergence.at_round_off(iterate):
+                return converged("gradient", iterate.norm, convergence.first, iteration, _AT_ROUND_OFF)
             return _stuck(Status.STALLED, iterate, convergence)
         if diverges(step, extent):
             return _stuck(Status.DIVERGED, iterate, convergence)
@@ -116,12 +127,29 @@ def minimize(
         progress.step(iteration + 1, iterate.energy, iterate.norm, iterate.smallest)
         steps.learn(search, iterate.norm / before, convergence.norm / (iterate.norm or 1.0))
         least = min(least, (iterate.norm, iteration))
+        halved = halved if iterate.norm > 0.5 * halved[0] else (iterate.norm, iteration)
+        waited = (iteration - halved[1]) % _NO_BETTER == _NO_BETTER - 1
+        if waited and not problem.lags and convergence.at_round_off(iterate):
+            return converged("gradient", iterate.norm, convergence.first, iteration + 1, _AT_ROUND_OFF)
         if control.holds_back:
             more = " This is the best valid grid" + ("." if barrier else "; keep_valid=False lets cells fold.")
             return _stuck(Status.HELD_BACK, iterate, convergence, more)
         if problem.lags and iteration - least[1] >= _UNSETTLED:
             return _stuck(Status.UNSETTLED, iterate, convergence)
     return _stuck(Status.ITERATION_LIMIT, iterate, convergence, "" if barrier else str(control), steps=max_iterations)
+
+
+def _polish(steps: NewtonSteps, search: LineSearch) -> bool:
+    """Take one more whole Newton step, if it halves the gradient; return whether it did.
+
+    What rounding adds to a gradient was only estimated.
+    """
+    step = steps.last(search)
+    if step is None or not search.halves_gradient(step):
+        return False
+    search.iterate.coordinates[...] = search.trial
+    search.iterate.evaluate()
+    return True
 
 
 def _eliminate(iterate: Iterate, deadline: Deadline) -> None:

@@ -81,6 +81,12 @@ class NewtonSteps:
             semidefinite = self.clamps
         return None
 
+    def last(self, search: LineSearch) -> Array | None:
+        """Return the whole step of Newton's method, solved for well; None where the Hessian is not positive."""
+        self.shift, self.forcing = 0.0, _LAST
+        solution = self._solve(search, semidefinite=self.only_semidefinite)
+        return solution.vector if solution is not None and solution.positive else None
+
     def is_newton(self, search: LineSearch) -> bool:
         """Return whether the last step is a whole one of Newton's method, with the Hessian as it is."""
         return self.exact and self.shift == 0 and search.length == 1.0

@@ -6,7 +6,7 @@ about the type hold where J > 0, that is on valid grids, and away from kinks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import sympy
@@ -161,6 +161,7 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
         turns=is_logical_rotation_invariant(density),
         positive=positive,
     )
+    kind = replace(kind, witness=_in_declared_names(kind.witness, allowed))
     operator = euler_lagrange(functional, variant).operator if functional.fields else None
     if operator is not None:
         signs = [part.subs(allowed).subs(defaults) for part in (operator.determinant, operator.discriminant)]
@@ -185,6 +186,20 @@ def classify(functional: Functional, variant: Variant = "plain") -> Classificati
         polyconvex=corner_model(functional, variant).splitting,
         kinks=bends,
     )
+
+
+def _in_declared_names(
+    witness: tuple[tuple[Symbol, Expr], ...], allowed: dict[Symbol, Expr]
+) -> tuple[tuple[Symbol, Expr], ...]:
+    """Return a witness with the components of fields instead of the symbols that stood for them."""
+    values = dict(witness)
+    used = {one for meaning in allowed.values() for one in meaning.free_symbols} - allowed.keys()
+    own = [
+        (name, meaning.xreplace(values).xreplace(dict.fromkeys(used, sympy.S.One)))
+        for name, meaning in sorted(allowed.items(), key=lambda item: str(item[0]))
+        if witness
+    ]
+    return (*own, *((name, value) for name, value in witness if name not in used))
 
 
 def _rest(functional: Functional, variant: Variant, defaults: dict[sympy.Symbol, Expr]) -> sympy.Matrix:
