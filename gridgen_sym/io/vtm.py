@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import PurePosixPath
-from xml.sax.saxutils import quoteattr
 
 from ..errors import GridgenError, quoted
 from .vtk import xml_root
@@ -22,6 +21,8 @@ def block_files(folder: str, count: int) -> list[str]:
 
 def encode(names: Sequence[str], files: Sequence[str]) -> bytes:
     """Return a multi-block file that names these files."""
+    from xml.sax.saxutils import quoteattr  # It loads all that opens a URL, a third of `import gridgen_sym`.
+
     lines = [
         f'<DataSet index="{index}" name={quoteattr(name)} file={quoteattr(file)}/>'
         for index, (name, file) in enumerate(zip(names, files, strict=True))
