@@ -227,6 +227,23 @@ def test_values_may_be_given_by_block():
         gg.optimize(start, "area_winslow", weight={"0-0": "1", "1-0": "x +"})
 
 
+def test_targets_may_be_given_by_block():
+    """As grids, in any order, as targets, or as a layout: the same grid, though only grids can be merged."""
+    lines = (0, 4, 8), (0, 8)
+    start = cut(gg.domain("wavy", 9, 9), *lines)
+    wanted = gg.optimize(start, "area_winslow", weight="1 + 3*x**2").grid
+    named = dict(zip(wanted.names, wanted.blocks, strict=True))
+    backwards = dict(reversed(named.items()))
+    targets = {name: gg.Target.of(block) for name, block in named.items()}
+    for target in (wanted, named, backwards, targets):
+        found = gg.optimize(start, "winslow", target=target)
+        assert np.abs(assembled(found.grid, *lines) - assembled(wanted, *lines)).max() < 1e-8
+    with pytest.raises(gg.GridgenError, match="values by block need one for each of 0-0, 1-0"):
+        gg.optimize(start, "winslow", target={"0-0": named["0-0"]})
+    with pytest.raises(gg.GridgenError, match=r"block 1-0: the reference grid of the target has \(4, 4\) nodes"):
+        gg.optimize(start, "winslow", target=named | {"1-0": gg.domain("square", 4, 4)})
+
+
 def test_nodes_that_are_fixed_stay_in_all_copies():
     start = cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 8))
     mask = np.zeros((5, 9), dtype=bool)

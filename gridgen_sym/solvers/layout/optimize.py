@@ -135,14 +135,15 @@ def optimize_layout(
         )
 
     alike = weight is None and not fields and not fixed and walls is None and spacing in ("unit", "index")
-    alike = alike and (target is None or isinstance(target, dict))
+    references = _references(grid, target)
+    alike = alike and (target is None or references is not None)
     if alike and not _names_place(grid, definition, parameters, backend):
         merged = merge(grid)
         if len(merged.layout) < len(grid):
             found = optimize_layout(
                 merged.layout,
                 definition,
-                target=merged.join([one.planes for one in target.values()]) if isinstance(target, dict) else None,
+                target=merged.join(references) if references is not None else None,
                 parameters=parameters,
                 tolerance=tolerance,
                 max_iterations=max_iterations,
@@ -184,6 +185,16 @@ def optimize_layout(
             return minimized()
 
         return run_to_result(solve, run.result, report)
+
+
+def _references(layout: MultiBlock, target: object) -> list[Array] | None:
+    """Return the planes of the reference grids of all blocks; None where the target is anything else."""
+    if not isinstance(target, Mapping) or set(target) != set(layout.names):
+        return None
+    shapes = zip((target[name] for name in layout.names), layout.blocks, strict=True)
+    if not all(isinstance(one, Grid) and one.shape == block.shape for one, block in shapes):
+        return None
+    return [target[name].planes for name in layout.names]
 
 
 def _names_place(
