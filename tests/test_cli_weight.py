@@ -68,3 +68,19 @@ def test_values_at_the_nodes_of_the_start_are_a_weight():
 def test_a_file_whose_name_is_a_formula_is_a_formula():
     Path("x").touch()
     assert "converged" in run("--weight", "x")
+
+
+@pytest.mark.parametrize("file", ["part.npz", "part.csv"])
+def test_samples_that_do_not_cover_the_grid_are_refused_or_continued(file):
+    x, y = np.meshgrid(AXIS[3:], AXIS, indexing="ij")
+    np.savez("part.npz", x=AXIS[3:], y=AXIS, values=1 + x)
+    samples = np.column_stack((x.ravel(), y.ravel(), 1 + x.ravel()))
+    np.savetxt("part.csv", samples, delimiter=",", header="x,y,value", comments="")
+    told = " ".join(run("--weight", file, code=2).split())
+    assert "the weight is known by samples" in told
+    assert "node (0, 0), x = 0, y = 0, lies outside of them" in told
+    assert "--outside nearest" in told
+    assert "nodes lie outside the weight's samples" in run("--weight", file, "--outside", "nearest")
+    adapt = ["adapt", "square", "--size", "12", "12", "--to", file, "--max-iterations", "1"]
+    assert CliRunner().invoke(main, adapt).exit_code == 2
+    assert CliRunner().invoke(main, [*adapt, "--outside", "nearest"]).exit_code == 0
