@@ -23,7 +23,8 @@ from ..grids.grid import check_grid
 from .binding import make_problem
 from .harmonic import move_sides
 from .layout.dispatch import on_several_blocks
-from .layout.optimize import optimize_layout, untangle_layout
+from .layout.optimize import optimize_layout
+from .layout.untangling import untangle_layout
 from .local import sweep_until_converged
 from .logical import LogicalRectangle, Spacing
 from .minimization import Run

@@ -19,6 +19,8 @@ _DEPTH, _SIZE, _FALLS = 0.2, 0.02, (0.3, 0.6)
 _PATIENCE, _SHALLOWER = 5, 0.9
 #: For one epsilon: the factor by which the gradient must fall, and the most Newton steps.
 _TOLERANCE, _STEPS = 1e-2, 20
+#: What is said where the path ends with folds.
+NO_PROGRESS = "untangling made no more progress; this is the least folded grid found."
 #: Over the mean Jacobian: below this epsilon, rounding decides about signs.
 _SHARPEST = 1e-12
 

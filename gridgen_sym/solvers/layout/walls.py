@@ -7,7 +7,7 @@ angles.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -22,7 +22,12 @@ from ...fields.wall_cells import WallCells, corrected, own_cells, wall_cells
 from ...topology import MultiBlock
 from ..multilevel.wall_continuation import WallContinuation
 from ..run.progress import Progress
+from ..run.status import Outcome
+from .problem import LayoutProblem
+from .run import LayoutRun
 
+#: First heights are corrected so often at most, and not where they are wrong by no more than this part.
+_CORRECTIONS, _RIGHT = 3, 2e-3
 #: Walls as they are given: for each block by name and side; of the sides of the only block; or by boundary's name.
 LayoutWalls = Mapping[str, Mapping[str, Wall]] | Mapping[str, Wall]
 
@@ -142,3 +147,29 @@ def corrected_walls(
     """
     both = {name: corrected(walls[name], asked[name], found[name]) for name in walls}
     return {name: one for name, (one, _) in both.items()}, max(wrong for _, wrong in both.values())
+
+
+def minimize_with_walls(
+    run: LayoutRun,
+    asked: Mapping[str, Sides[Wall | None]],
+    make: Callable[[dict[str, Target]], LayoutProblem],
+    minimized: Callable[[], Outcome],
+) -> Outcome:
+    """Minimize for the targets of walls, and for others that make up for first heights that came out wrong."""
+    walls, least, outcome = dict(asked), np.inf, None
+    for _ in range(1 + _CORRECTIONS):
+        before, problem = run.coordinates.copy(), run.problem
+        run.problem = make(wall_targets(run.layout, walls))
+        run.problem.measure_locally(run.coordinates)
+        found = minimized()
+        if outcome is not None and not found.converged:
+            run.coordinates, run.problem = before, problem
+            break
+        outcome = found
+        places = dict(zip(run.layout.names, run.problem.exchange.views(run.coordinates), strict=True))
+        walls, wrong = corrected_walls(walls, asked, places)
+        if not found.converged or wrong < _RIGHT or wrong > 0.7 * least:
+            break
+        least = wrong
+    assert outcome is not None
+    return outcome

@@ -1,0 +1,39 @@
+"""Solving with fewer, larger blocks: when that gives the same grid, and the way back to the blocks that were given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from ...arrays import Array
+from ...functionals.definition import Functional
+from ...functionals.metric import LOGICAL_NAMES
+from ...grids import Grid
+from ...topology import MultiBlock
+from ...topology.merging import Merged
+from ..binding import make_problem
+from .result import LayoutResult
+
+
+def references_of(layout: MultiBlock, target: object) -> list[Array] | None:
+    """Return the planes of the reference grids of all blocks; None where the target is anything else."""
+    if not isinstance(target, Mapping) or set(target) != set(layout.names):
+        return None
+    shapes = zip((target[name] for name in layout.names), layout.blocks, strict=True)
+    if not all(isinstance(one, Grid) and one.shape == block.shape for one, block in shapes):
+        return None
+    return [target[name].planes for name in layout.names]
+
+
+def names_place(
+    layout: MultiBlock, functional: Functional, parameters: Mapping[str, float] | None, backend: str | None
+) -> bool:
+    """Whether the density names xi or eta, which are others where blocks are put together."""
+    planes = make_problem(layout.blocks[0], functional, parameters=parameters, backend=backend).kernels.planes
+    return bool(set(LOGICAL_NAMES) & set(planes))
+
+
+def of_all_blocks(found: LayoutResult, layout: MultiBlock, merged: Merged) -> LayoutResult:
+    """Return the result on merged blocks as one on those that were given."""
+    planes = merged.split([block.planes for block in found.grid.blocks])
+    return replace(found, grid=layout.moved(planes))

@@ -1,0 +1,77 @@
+"""The state of a solver's run on several blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...arrays import Array
+from ...topology import MultiBlock
+from ...topology.quality import quality
+from ..run.progress import Progress
+from ..run.status import Outcome, Status
+from .problem import LayoutProblem
+from .result import LayoutResult
+
+#: What made a folded start valid.
+NESTED, REGULARIZED = "nested iteration", "regularized barrier at all nodes"
+
+
+def begin_run(layout: MultiBlock, problem: LayoutProblem, report: Progress) -> LayoutRun:
+    """Return a run that begins at a layout's own nodes."""
+    return LayoutRun(layout, problem, problem.exchange.join([block.planes for block in layout.blocks]), report)
+
+
+@dataclass(slots=True)
+class LayoutRun:
+    """The state of a run on several blocks: the best coordinates so far, and how they were reached.
+
+    Attributes:
+        layout: that was given.
+        problem: on it.
+        coordinates: of all blocks, as `Exchange` joins them.
+        report: receives every step.
+        untangled_by: the name of what made a folded start valid; empty otherwise.
+    """
+
+    layout: MultiBlock
+    problem: LayoutProblem
+    coordinates: Array
+    report: Progress
+    untangled_by: str = ""
+
+    def result(self, outcome: Outcome) -> LayoutResult:
+        """Return the result, which reports folded cells."""
+        self.problem.refresh(self.coordinates)
+        grid = self.layout.moved(self.problem.exchange.views(self.coordinates))
+        valid, status, message = not self.problem.folds(self.coordinates).cells, outcome.status, outcome.message
+        if self.untangled_by:
+            message = f"The grid was folded at the start and was untangled first ({self.untangled_by}): {message}"
+        if not valid:
+            status = status if status.stop_reason else Status.FOLDED
+            message = f"{message} {quality(grid).describe_folds()}"
+        return LayoutResult(
+            grid=grid,
+            converged=outcome.converged and (valid or not self.problem.kernels.barrier),
+            status=status,
+            message=message.strip(),
+            iterations=max(len(self.report.history) - 1, 0),
+            energy=self.problem.energy(self.coordinates)[0],
+            history=tuple(self.report.history),
+            untangled_by=self.untangled_by,
+        )
+
+    def take(self, start: Array, *, folded: bool) -> None:
+        """Take another start, if it is less folded, or of lower energy; `folded` tells whether the own start was."""
+        problem = self.problem
+        problem.refresh(start)
+        energy, smallest = problem.energy(start)
+        problem.refresh(self.coordinates)
+        before, least = problem.energy(self.coordinates)
+        if folded or not min(smallest, least) > 0:
+            better = problem.folds(start) < problem.folds(self.coordinates)
+        else:
+            better = energy < before
+        if better:
+            self.coordinates = start
+            self.untangled_by = NESTED if folded and smallest > 0 else ""
+        problem.refresh(self.coordinates)
