@@ -17,6 +17,8 @@ COMPATIBILITY = (
     "tests/codegen/test_printers.py",
     "tests/runtime/test_backends_agree.py",
     "tests/solvers/test_optimize.py",
+    "tests/solvers/test_layouts.py",
+    "tests/topology/test_multiblock.py",
     "tests/io",
     "tests/plotting",
 )

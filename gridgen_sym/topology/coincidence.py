@@ -12,6 +12,7 @@ from ..arrays import Array
 from ..boundary.sides import Sides
 from ..errors import GridgenError
 from ..grids import Grid
+from .components import component_numbers
 from .connection import SidePart
 
 #: Nodes coincide that are nearer than this part of the shortest edge that meets there, or than rounding explains.
@@ -55,8 +56,6 @@ def _part(side: SidePart, edges: tuple[int, int]) -> SidePart:
 
 def _places(nodes: list[Array]) -> list[npt.NDArray[np.intp]]:
     """Return for every node of the sides the number of its place: nodes that coincide have the same."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     points = np.concatenate(nodes)
@@ -67,8 +66,7 @@ def _places(nodes: list[Array]) -> list[npt.NDArray[np.intp]]:
     columns = np.concatenate([np.asarray(near, dtype=np.intp) for near in found])
     apart = np.hypot(*(points[rows] - points[columns]).T)
     near = apart <= np.minimum(reach[rows], reach[columns])
-    graph = coo_array((np.ones(int(near.sum())), (rows[near], columns[near])), shape=(len(points),) * 2)
-    labels = connected_components(graph, directed=False)[1].astype(np.intp)
+    labels = component_numbers(rows[near], columns[near], len(points))
     ends = np.cumsum([len(side) for side in nodes])
     return [labels[end - len(side) : end] for side, end in zip(nodes, ends, strict=True)]
 

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Array, Mask
 from ..errors import GridgenError
 from ..grids import Grid
+from .components import component_numbers
 from .connection import Motion, SidePart
 from .copies import Bond, Copies, Indices
 
@@ -80,11 +81,7 @@ def _pairs(bonds: Sequence[Bond], shapes: Sequence[tuple[int, int]], offsets: In
 
 def _together(pairs: _Pairs, count: int) -> tuple[Indices, Indices]:
     """Return the numbers of all nodes that have copies, copies together, and where those of each node begin."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    links = np.ones(len(pairs.first)), (pairs.first, pairs.second)
-    labels = connected_components(coo_array(links, shape=(count, count)), directed=False)[1]
+    labels = component_numbers(pairs.first, pairs.second, count)
     entries = np.flatnonzero(np.bincount(labels)[labels] > 1)
     entries = entries[np.argsort(labels[entries], kind="stable")]
     return entries, np.flatnonzero(np.diff(labels[entries], prepend=-1))

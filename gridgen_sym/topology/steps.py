@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from .components import component_numbers
 from .connection import SidePart
 from .directions import direction_groups
 from .multiblock import MultiBlock
@@ -29,9 +30,6 @@ def unit_steps(layout: MultiBlock) -> list[tuple[float, float]]:
 
 def _open_rows(layout: MultiBlock, groups: list[tuple[int, int]]) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
     """Return the group of directions and the number of cells of every row of cells that does not close."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     shapes = [grid.shape for grid in layout.blocks]
     # Numbers of the rows of each block: first those along xi, then those along eta.
     counts = [count - 1 for ni, nj in shapes for count in (nj, ni)]
@@ -46,8 +44,8 @@ def _open_rows(layout: MultiBlock, groups: list[tuple[int, int]]) -> tuple[npt.N
     none = np.empty(0, dtype=np.intp)
     first = np.concatenate([none, *(rows(bond.one) for bond in layout.bonds)])
     second = np.concatenate([none, *(rows(b.other)[::-1] if b.reversed else rows(b.other) for b in layout.bonds)])
-    links = coo_array((np.ones(len(first)), (first, second)), shape=(len(cells), len(cells)))
-    count, label = connected_components(links, directed=False)
+    label = component_numbers(first, second, len(cells))
+    count = int(label.max()) + 1
     closed = np.bincount(label[first], minlength=count) == np.bincount(label, minlength=count)
     length = np.bincount(label, cells, minlength=count).astype(np.intp)
     of_row = np.zeros(count, dtype=np.intp)
