@@ -146,7 +146,7 @@ def test_a_rough_boundary_gets_its_grid(seed):
 
 @pytest.mark.slow
 def test_rough_boundaries_get_their_grids_nearly_all_at_once():
-    seconds = [found for seed in range(30) if (found := seconds_to_valid(seed)) is not None]
-    assert len(seconds) > 18
+    seconds = [found for seed in range(20) if (found := seconds_to_valid(seed)) is not None]
+    assert len(seconds) > 11
     assert np.quantile(seconds, 0.9) < 2
     assert max(seconds) < 20
