@@ -100,6 +100,21 @@ class MultiBlock:
             raise GridgenError(f"unknown block {quoted(block)}: the blocks are {', '.join(self.names)}")
         return self.blocks[self.names.index(block) if isinstance(block, str) else block]
 
+    def __eq__(self, other: object) -> bool:
+        """Whether `other` is a layout with the same blocks, names, connections and boundaries."""
+        if not isinstance(other, MultiBlock):
+            return NotImplemented
+        return (self.blocks, self.names, self.bonds, self.boundaries) == (
+            other.blocks,
+            other.names,
+            other.bonds,
+            other.boundaries,
+        )
+
+    def __hash__(self) -> int:
+        """Agree with `==`."""
+        return hash((self.blocks, self.names, self.bonds))
+
     def __repr__(self) -> str:
         """Report the sizes, not the numbers."""
         sizes = ", ".join(

@@ -253,12 +253,25 @@ def test_nodes_that_are_fixed_stay_in_all_copies():
         assert np.array_equal(found.grid[name].xy[i, 3], start["0-0"].xy[4, 3])
 
 
+def test_an_error_of_the_callback_comes_with_all_blocks():
+    start = cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 8))
+
+    def fail(_):
+        raise ValueError("mine")
+
+    with pytest.raises(ValueError, match="mine") as caught:
+        gg.optimize(start, "winslow", callback=fail)
+    assert caught.value.result.grid.names == start.names
+
+
 def test_what_layouts_do_not_take_is_told():
     start = cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 8))
     with pytest.raises(gg.GridgenError, match="optimize of several blocks does not take 'slide'"):
         gg.optimize(start, "winslow", slide="all")
     with pytest.raises(gg.GridgenError, match="by method='newton'; came 'local'"):
         gg.optimize(start, "winslow", "local")
+    with pytest.raises(gg.GridgenError, match="fixed of several blocks maps names of blocks to masks"):
+        gg.optimize(start, "winslow", fixed=np.zeros((5, 9)))
 
 
 @pytest.mark.usefixtures("apart")

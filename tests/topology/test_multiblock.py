@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 from layouts import butterfly, cut, ring
@@ -142,6 +144,14 @@ def test_a_direction_that_closes_has_the_steps_of_the_others():
 
 def test_where_directions_meet_at_a_singular_node_all_steps_are_one():
     assert len({step for steps in unit_steps(butterfly(4, 3)) for step in steps}) == 1
+
+
+def test_layouts_are_values():
+    layout, same = (cut(WAVY, (0, 4, 12), (0, 6, 16)) for _ in range(2))
+    assert layout == same == pickle.loads(pickle.dumps(layout))
+    assert hash(layout) == hash(same)
+    assert layout != cut(WAVY, (0, 6, 12), (0, 6, 16))
+    assert layout != 1
 
 
 def test_quality_is_of_all_blocks():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from ...arrays import Array
@@ -33,7 +33,20 @@ def names_place(
     return bool(set(LOGICAL_NAMES) & set(planes))
 
 
-def of_all_blocks(found: LayoutResult, layout: MultiBlock, merged: Merged) -> LayoutResult:
-    """Return the result on merged blocks as one on those that were given."""
-    planes = merged.split([block.planes for block in found.grid.blocks])
-    return replace(found, grid=layout.moved(planes))
+def of_all_blocks(solve: Callable[[], LayoutResult], layout: MultiBlock, merged: Merged) -> LayoutResult:
+    """Solve on merged blocks, and return the result as one on those that were given.
+
+    The result that comes with an error of the user's callback, too, is one on these.
+    """
+
+    def taken_apart(found: LayoutResult) -> LayoutResult:
+        planes = merged.split([block.planes for block in found.grid.blocks])
+        return replace(found, grid=layout.moved(planes))
+
+    try:
+        return taken_apart(solve())
+    except Exception as error:
+        best = getattr(error, "result", None)
+        if isinstance(best, LayoutResult):
+            error.result = taken_apart(best)  # type: ignore[attr-defined]
+        raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy.typing as npt
 
@@ -91,13 +92,14 @@ def optimize_layout(
             backend=backend,
         )
 
-    alike = weight is None and not fields and not fixed and walls is None and spacing in ("unit", "index")
+    alike = weight is None and not fields and fixed is None and walls is None and spacing in ("unit", "index")
     references = references_of(grid, target)
     alike = alike and (target is None or references is not None)
     if alike and not names_place(grid, definition, parameters, backend):
         merged = merge(grid)
         if len(merged.layout) < len(grid):
-            found = optimize_layout(
+            again = partial(
+                optimize_layout,
                 merged.layout,
                 definition,
                 target=merged.join(references) if references is not None else None,
@@ -111,7 +113,7 @@ def optimize_layout(
                 progress=progress,
                 backend=backend,
             )
-            return of_all_blocks(found, grid, merged)
+            return of_all_blocks(again, grid, merged)
     limit = _STEPS if max_iterations is None else max_iterations
     with Progress(f"{definition.name}, {len(grid)} blocks", callback, progress, Deadline(time_limit)) as report:
         problem = make(grid)
@@ -136,7 +138,7 @@ def optimize_layout(
                 )
                 return minimize_with_walls(run, asked, lambda targets: make(grid, targets), minimized)
             folded = problem.kernels.barrier and not problem.energy(run.coordinates)[1] > 0
-            if limit and not fixed:
+            if limit and fixed is None:
                 start = NestedLayouts(make, definition, parameters, report).start(grid, problem)
                 run.take(start, folded=folded)
             return minimized()

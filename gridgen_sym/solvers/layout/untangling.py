@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy.typing as npt
 
@@ -47,10 +48,11 @@ def untangle_layout(
             on, definition, fixed=fixed if on is grid else None, parameters=parameters, backend=backend
         )
 
-    if not fixed:
+    if fixed is None:
         merged = merge(grid)
         if len(merged.layout) < len(grid):
-            found = untangle_layout(
+            again = partial(
+                untangle_layout,
                 merged.layout,
                 definition,
                 parameters=parameters,
@@ -59,7 +61,7 @@ def untangle_layout(
                 progress=progress,
                 backend=backend,
             )
-            return of_all_blocks(found, grid, merged)
+            return of_all_blocks(again, grid, merged)
     problem = make(grid)
     if not problem.kernels.barrier:
         raise GridgenError(
@@ -70,7 +72,7 @@ def untangle_layout(
 
         def solve() -> Outcome:
             folded = not problem.energy(run.coordinates)[1] > 0
-            if folded and not fixed:
+            if folded and fixed is None:
                 run.take(NestedLayouts(make, definition, parameters, report).start(grid, problem), folded=True)
             report.begin("untangle", (grid.node_count, 1))
             valid = problem.folds(run.coordinates).cells == 0 or untangle_blocks(
