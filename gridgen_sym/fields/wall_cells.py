@@ -6,6 +6,7 @@ along the walls they pass from those of the one side to those of the other.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -160,3 +161,19 @@ def _lengths_across(coordinates: Array, fractions: Array) -> Array:
     first, last = (np.hypot(*np.diff(coordinates[:, k], axis=1)) for k in (0, -1))
     share = (fractions[:, 1:] + fractions[:, :-1]) / 2
     return np.asarray((1 - share) * first + share * last)
+
+
+def corrected_beside(
+    walls: Sides[Wall | None], asked: Sides[Wall | None], sliding: Collection[str]
+) -> Sides[Wall | None]:
+    """Return corrected walls where boundary nodes stay, and what is asked for where nodes slide.
+
+    Corrections are for boundary nodes that hold cells off what walls ask for: those of the wall and of the two sides
+    that meet it.
+    """
+    return Sides(
+        *(
+            wanted if {side, *_MEETS[side]} & {*sliding} else wall
+            for side, wall, wanted in zip(Sides._fields, walls, asked, strict=True)
+        )
+    )

@@ -14,7 +14,7 @@ from ..boundary.wall import NO_WALLS, Wall, walls_by_side
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..fields.target import Target
-from ..fields.wall_cells import misplaced_sides
+from ..fields.wall_cells import corrected_beside, misplaced_sides
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
@@ -164,8 +164,7 @@ def optimize(
             nonlocal sides
             if sides is not None and method == "newton" and limit:
                 corrected = approach_walls(run, sides, backend)
-                # Heights are corrected for boundary nodes that stay, which hold cells off what walls ask for.
-                sides = corrected if curves is None else sides
+                sides = corrected if curves is None else corrected_beside(corrected, sides, curves)
                 run.renew(make(grid, fixed))
             else:
                 if curves is not None and target is None and not per_node and limit:
