@@ -45,12 +45,14 @@ def test_a_tuple_of_formulas_is_a_tensor():
     assert farthest(held, moving) > 1e-3
 
 
+@pytest.mark.slow
 def test_several_fields_in_the_logical_square():
     run("--field", "p:logical=1 + xi", "--field", "q = (2 + x)*(1 + y)", functional="spread")
     fields = {"p": gg.Field("1 + xi", domain="logical"), "q": "(2 + x)*(1 + y)"}
     assert farthest(gg.read("a.npz"), expected(functional=CONTROLLED, fields=fields)) < 1e-12
 
 
+@pytest.mark.slow
 def test_files_hold_several_components():
     x, y = np.meshgrid(AXIS, AXIS, indexing="ij")
     values = np.stack([1 + x**2, np.maximum(0.1, 0.2 * y), 2 + 0 * x])

@@ -60,6 +60,7 @@ def texts(folder):
 # ---- the command ----
 
 
+@pytest.mark.slow
 def test_the_command_in_the_files_makes_them_again_and_checks_them(project):
     said = run(COMMAND)
     names = {f"odd{variant}.{suffix}" for variant in ("", "_frozen", "_differentiated") for suffix in ("c", "h", "py")}
@@ -79,6 +80,7 @@ def test_the_command_in_the_files_makes_them_again_and_checks_them(project):
     assert texts(project / "kernels") == first
 
 
+@pytest.mark.slow
 def test_the_calling_folder_matters_neither_to_the_files_nor_to_their_check(project, monkeypatch):
     run(COMMAND)
     first = texts(project / "kernels")

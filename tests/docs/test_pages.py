@@ -43,6 +43,7 @@ def formulas(name):
     return [text for part in _parts(functional(name)) for kind, text in part.blocks if kind == "formula"]
 
 
+@pytest.mark.slow
 def test_a_changed_equation_changes_the_page_and_the_committed_text(monkeypatch):
     before = formulas("winslow")
     committed = (resource_folder("generated") / "docs" / "winslow.md").read_text(encoding="utf-8")

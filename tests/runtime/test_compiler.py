@@ -235,6 +235,7 @@ def test_a_deadline_ends_the_compiler_with_its_parts(monkeypatch, tmp_path, cach
     assert_ended(int((tmp_path / "part").read_text()))
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_the_time_limit_of_a_run_includes_its_compilations(monkeypatch, tmp_path, cache):
     endless = 'case "$*" in *winslow_regularized*) sleep 600;; esac'
