@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from ..arrays import Array
 from ..fields.sampled import grid_field
 from ..grids import Change, Grid, Measures, Quality, quality
-from ..solvers.run.status import Status, StopReason
+from ..solvers.run.ended import Ended
+from ..solvers.run.status import Status
 from .equidistribution import Equidistribution, equidistribution
 
 
@@ -34,7 +35,7 @@ class AdaptStep:
 
 
 @dataclass(frozen=True, slots=True)
-class AdaptResult:
+class AdaptResult(Ended):
     """An adapted grid.
 
     Attributes:
@@ -69,16 +70,6 @@ class AdaptResult:
     def after(self) -> Equidistribution:
         """The spread of s·J and sqrt(s)·J over the cells of `grid`; s is the last density."""
         return equidistribution(self.grid, self.density)
-
-    @property
-    def stopped_by(self) -> StopReason | None:
-        """What ended it early; None if nothing did."""
-        return self.status.stop_reason
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C, the time limit or the callback stopped it."""
-        return self.stopped_by is not None
 
     @property
     def iterations(self) -> int:

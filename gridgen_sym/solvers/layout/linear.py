@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import Array, Mask
 from ...topology.copies import Bond, Copies
+from ..linear.factorization import factorize
 from ..linear.solution import LinearSolver, Solution
 from .exchange import Exchange
 from .multigrid import LayoutMultigrid
@@ -28,16 +29,8 @@ class LayoutDirectSolver:
 
     def set_operator(self, planes: list[Array]) -> bool:
         """Factorize; a singular matrix cannot be solved with."""
-        from scipy.sparse.linalg import splu
-
-        matrix = self._matrix.assemble(planes)
-        if not np.isfinite(matrix.data).all():
-            return False
-        try:
-            self._factors = splu(matrix)
-        except RuntimeError:
-            return False
-        return True
+        self._factors = factorize(self._matrix.assemble(planes))
+        return self._factors is not None
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve; `right` is consistent, one array of all blocks."""

@@ -15,6 +15,7 @@ import numpy as np
 from ...arrays import Array, Mask
 from ...runtime import threads_for
 from ...topology.copies import Bond, Copies
+from ..linear.factorization import factorize
 from ..linear.multigrid.library import load_library
 from ..linear.solution import Solution
 from .exchange import Exchange
@@ -56,20 +57,10 @@ class LayoutMultigrid:
         return all(level.factor() for level in self.levels[:-1]) and self._factor_coarsest()
 
     def _factor_coarsest(self) -> bool:
-        from scipy.sparse.linalg import splu
-
         assert self._coarsest is not None
-        if self._coarsest.size == 0:
-            self._factors = None
-            return True
-        matrix = self._coarsest.assemble(self.levels[-1].planes())
-        if not np.isfinite(matrix.data).all():
-            return False
-        try:
-            self._factors = splu(matrix)
-        except RuntimeError:
-            return False
-        return True
+        none_free = self._coarsest.size == 0
+        self._factors = None if none_free else factorize(self._coarsest.assemble(self.levels[-1].planes()))
+        return none_free or self._factors is not None
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve for a consistent right-hand side, one array of all blocks, to a relative residual."""

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 from ...topology import MultiBlock
 from ...topology.quality import LayoutQuality, quality
+from ..run.ended import Iterated
 from ..run.result import Step
-from ..run.status import Status, StopReason
+from ..run.status import Status
 
 
 @dataclass(frozen=True, slots=True)
-class LayoutResult:
+class LayoutResult(Iterated):
     """A solved grid of several blocks.
 
     Attributes:
@@ -35,21 +36,6 @@ class LayoutResult:
     untangled_by: str = ""
 
     @property
-    def stopped_by(self) -> StopReason | None:
-        """What ended the run early; None if nothing did."""
-        return self.status.stop_reason
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C, the time limit or the callback stopped it."""
-        return self.stopped_by is not None
-
-    @property
     def quality(self) -> LayoutQuality:
         """The quality measures of the grid."""
         return quality(self.grid)
-
-    def __str__(self) -> str:
-        """Report in one line how it ended."""
-        state = "converged" if self.converged else "NOT converged"
-        return f"{state} after {self.iterations} iterations: {self.message}"

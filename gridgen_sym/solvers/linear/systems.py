@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array, Mask
+from .factorization import factorize
 from .solution import LinearSolver, Solution
 from .sparse import assemble_hessian, assemble_jacobian, to_field, to_vector
 
@@ -22,16 +23,8 @@ class DirectSolver:
 
     def set_operator(self, planes: Array) -> bool:
         """Factorize; a singular matrix cannot be solved with."""
-        from scipy.sparse.linalg import splu
-
-        matrix = self._assemble(planes, self._fixed)
-        if not np.isfinite(matrix.data).all():
-            return False
-        try:
-            self._factors = splu(matrix)
-        except RuntimeError:
-            return False
-        return True
+        self._factors = factorize(self._assemble(planes, self._fixed))
+        return self._factors is not None
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve; the curvature along the solution shows whether the operator is positive there."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from ...certificates import Certificate
 from ...fields.wall_growth import WallRemark
 from ...grids import Change, Grid, Quality, quality
-from .status import Status, StopReason
+from .ended import Iterated
+from .status import Status
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class Result(Iterated):
     """A solved grid.
 
     Attributes:
@@ -70,16 +71,6 @@ class Result:
     wall_remarks: tuple[WallRemark, ...] = ()
 
     @property
-    def stopped_by(self) -> StopReason | None:
-        """What ended the run early; None if nothing did."""
-        return self.status.stop_reason
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C, the time limit or the callback stopped it."""
-        return self.stopped_by is not None
-
-    @property
     def quality(self) -> Quality:
         """The quality measures of the grid."""
         return quality(self.grid)
@@ -88,8 +79,3 @@ class Result:
     def energy_per_corner(self) -> float:
         """The mean energy of the corners of all cells; for `winslow`, 2 is a conformal map of the unit square."""
         return self.energy / (4 * self.logical_area)
-
-    def __str__(self) -> str:
-        """Report in one line how it ended."""
-        state = "converged" if self.converged else "NOT converged"
-        return f"{state} after {self.iterations} iterations: {self.message}"

@@ -140,32 +140,6 @@ static double sum_of(const double *sums) {
   return sum;
 }
 
-APART double step_part(double alpha, const double *restrict p, const double *restrict q, double *restrict x,
-                       double *restrict r, float *restrict right, double scale, int64_t count) {
-  double norm = 0.0;
-#pragma omp simd reduction(+ : norm)
-  for (int64_t n = 0; n < count; ++n) {
-    x[n] += alpha * p[n];
-    const double rest = r[n] - alpha * q[n];
-    r[n] = rest, right[n] = (float)(scale * rest);
-    norm += rest * rest;
-  }
-  return norm;
-}
-
-APART double product_part(const float *restrict z, const double *restrict r, int64_t count) {
-  double product = 0.0;
-#pragma omp simd reduction(+ : product)
-  for (int64_t n = 0; n < count; ++n) product += z[n] * r[n];
-  return product;
-}
-
-APART double direction_part(double beta, const float *restrict z, double *restrict p, int64_t count) {
-#pragma omp simd
-  for (int64_t n = 0; n < count; ++n) p[n] = z[n] + beta * p[n];
-  return 0.0;
-}
-
 /* x += alpha p, r -= alpha q, right = scale r; returns the sum of the squares of r. */
 EXPORT double step_vectors(int64_t count, int64_t threads, double alpha, const double *p, const double *q, double *x,
                            double *r, float *right, double scale) {
@@ -181,6 +155,6 @@ EXPORT double product_of_vectors(int64_t count, int64_t threads, const float *z,
 
 /* p = z + beta p */
 EXPORT void next_direction(int64_t count, int64_t threads, double beta, const float *z, double *p) {
-  EACH_PART(count, threads, sums, direction_part(beta, z + from, p + from, some))
+  EACH_PART(count, threads, sums, (direction_part(beta, z + from, p + from, some), 0.0))
   (void)sums;
 }

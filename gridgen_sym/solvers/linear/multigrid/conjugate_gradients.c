@@ -14,40 +14,12 @@ static Vectors vectors_in(const Level *level, double *work) {
   return (Vectors){work, work + size, work + 2 * size, work + 3 * size, sums, sums + ni, sums + 2 * ni};
 }
 
-/* x += alpha p, r -= alpha q, and the right-hand side of the V-cycle from r; returns r.r of a row. */
-APART double step_row(double alpha, const double *restrict p, const double *restrict q, double *restrict x,
-                      double *restrict r, float *restrict right, double scale, int64_t count) {
-  double norm = 0.0;
-#pragma omp simd reduction(+ : norm)
-  for (int64_t n = 0; n < count; ++n) {
-    x[n] += alpha * p[n];
-    const double rest = r[n] - alpha * q[n];
-    r[n] = rest, right[n] = (float)(scale * rest);
-    norm += rest * rest;
-  }
-  return norm;
-}
-
-/* z.r of a row */
-APART double product_row(const float *restrict z, const double *restrict r, int64_t count) {
-  double product = 0.0;
-#pragma omp simd reduction(+ : product)
-  for (int64_t n = 0; n < count; ++n) product += z[n] * r[n];
-  return product;
-}
-
-/* p = z + beta p of a row */
-APART void direction_row(double beta, const float *restrict z, double *restrict p, int64_t count) {
-#pragma omp simd
-  for (int64_t n = 0; n < count; ++n) p[n] = z[n] + beta * p[n];
-}
-
 /* One step of length alpha for all rows, 0 for the start; returns the norm of r, squared. */
 static double step(const Level *level, Team team, Vectors v, double alpha, double scale) {
   const int64_t width = 2 * level->stride;
   ROWS(level, team, i) {
     const int64_t n = i * width;
-    v.norms[i] = step_row(alpha, v.p + n, v.q + n, v.x + n, v.r + n, level->right + n, scale, width);
+    v.norms[i] = step_part(alpha, v.p + n, v.q + n, v.x + n, v.r + n, level->right + n, scale, width);
   }
   return total(level, team, v.norms);
 }
@@ -55,14 +27,14 @@ static double step(const Level *level, Team team, Vectors v, double alpha, doubl
 /* The next direction p from z, the solution of the V-cycle; z.r must be known for beta. */
 static double product_with_z(const Level *level, Team team, Vectors v) {
   const int64_t width = 2 * level->stride;
-  ROWS(level, team, i) v.products[i] = product_row(level->solution + i * width, v.r + i * width, width);
+  ROWS(level, team, i) v.products[i] = product_part(level->solution + i * width, v.r + i * width, width);
   return total(level, team, v.products);
 }
 
 /* p = z + beta p and q = A p; returns p.q */
 static double curvature_along(const Level *level, Team team, Vectors v, double beta) {
   const int64_t S = level->stride, width = 2 * S;
-  ROWS(level, team, i) direction_row(beta, level->solution + i * width, v.p + i * width, width);
+  ROWS(level, team, i) direction_part(beta, level->solution + i * width, v.p + i * width, width);
   wait_for(team);
   ROWS(level, team, i) {
     const double *p = v.p + i * width;

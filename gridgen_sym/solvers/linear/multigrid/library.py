@@ -13,9 +13,9 @@ Stencil = Literal["symmetric", "general", "blocks"]
 #: The C files of one translation unit, in their order.
 _LEVELS, _KRYLOV = ("operators", "lines", "cycle"), ("v_cycle", "products", "vectors")
 _PARTS = {
-    "symmetric": ("level", "symmetric", *_LEVELS, *_KRYLOV, "conjugate_gradients"),
+    "symmetric": ("level", "symmetric", *_LEVELS, *_KRYLOV, "conjugate_gradient_vectors", "conjugate_gradients"),
     "general": ("level", "general", *_LEVELS, *_KRYLOV, "bicgstab"),
-    "blocks": ("level", "symmetric", *_LEVELS, "products", "blocks", "crossing_lines"),
+    "blocks": ("level", "symmetric", *_LEVELS, "products", "conjugate_gradient_vectors", "blocks", "crossing_lines"),
 }
 
 
