@@ -31,6 +31,9 @@ DERIVATIONS = (
     "tests/symbolic/test_field_equations.py",
 )
 
+#: Other people's readers of grid files; only the tests use them.
+INDEPENDENT_READERS = ("gmsh", "vtk", "pyCGNS")
+
 
 def install(session: nox.Session, *arguments: str) -> None:
     """Install into the session's own environment; with `--no-venv` leave the active one alone."""
@@ -72,6 +75,13 @@ def newest(session: nox.Session) -> None:
     """The same choice of tests with the newest releases, on the newest Python."""
     install(session, "--upgrade", "--upgrade-strategy", "eager", "-e", ".[test]")
     session.run("pytest", "-n", "auto", *COMPATIBILITY, "tests/symbolic/test_corner_model.py", *session.posargs)
+
+
+@nox.session
+def extras(session: nox.Session) -> None:
+    """The tests that need more packages: those of the other extras, and programs that read what we write."""
+    install(session, "-c", ".ci/extras.txt", "-e", ".[test,geo,ocean,jax,torch]", *INDEPENDENT_READERS)
+    session.run("pytest", "-n", "auto", "-m", "extras", *session.posargs)
 
 
 @nox.session
