@@ -47,7 +47,7 @@ _TOLERANCE, _TO_TARGET = 1e-6, 1e-12
 _LIMITS = {"newton": 1000, "local": 5000}
 
 
-@on_several_blocks(optimize_layout, without=("slide", "interior_only"))
+@on_several_blocks(optimize_layout, without=("slide", "interior_only"), gets_own=True)
 @renamed_arguments(stacklevel=3, name="functional")
 def optimize(
     grid: Grid,

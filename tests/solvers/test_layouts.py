@@ -48,8 +48,25 @@ def apart(monkeypatch):
     monkeypatch.setattr(solver, "merge", lambda layout: SimpleNamespace(layout=layout))
 
 
-def test_blocks_are_put_together(monkeypatch):
-    """Where nothing but the functional is given, the cuts cost nothing: the blocks are solved as one."""
+def test_blocks_that_make_up_a_plain_grid_are_solved_as_that(own):
+    """Where nothing is given block by block the cuts cost nothing, and the grid is the same bit by bit."""
+    whole, lines = gg.domain("wavy", *SIZE), CUTS["3 x 5"]
+    start, reference = cut(whole, *lines), own[1]
+    for given, of_blocks in (({}, {}), ({"target": reference}, {"target": cut(reference, *lines)})):
+        expected = gg.optimize(whole, "winslow", **given)
+        found = gg.optimize(start, "winslow", **of_blocks)
+        assert np.array_equal(assembled(found.grid, *lines), expected.grid.planes)
+        assert (found.energy, found.iterations, found.message) == (
+            expected.energy,
+            expected.iterations,
+            expected.message,
+        )
+        assert [grid.shape for grid in found.grid.blocks] == [grid.shape for grid in start.blocks]
+    assert gg.untangle(found.grid).grid.names == start.names
+
+
+def test_blocks_with_nodes_of_their_own_are_put_together(monkeypatch):
+    """Where inner nodes are not those of transfinite interpolation, the one merged block starts from them."""
     sizes = []
 
     def make(on, *given, **named):
@@ -57,11 +74,24 @@ def test_blocks_are_put_together(monkeypatch):
         return make_layout_problem(on, *given, **named)
 
     monkeypatch.setattr(solver, "make_layout_problem", make)
-    start = cut(gg.domain("wavy", *SIZE), *CUTS["3 x 5"])
-    found = gg.optimize(start, "winslow")
+    whole, lines = gg.domain("wavy", 33, 17), ((0, 8, 32), (0, 16))
+    bent = np.array(whole.planes)
+    bent[0, 1:-1, 1:-1] += 0.004
+    found = gg.optimize(cut(gg.Grid.from_planes(*bent), *lines), "winslow", tolerance=1e-10)
     assert set(sizes) == {1}
-    assert [grid.shape for grid in found.grid.blocks] == [grid.shape for grid in start.blocks]
-    assert gg.untangle(found.grid).grid.names == start.names
+    expected = gg.optimize(whole, "winslow", tolerance=1e-10).grid.planes
+    assert np.abs(assembled(found.grid, *lines) - expected).max() < 1e-9
+
+
+def test_coarse_grids_help_where_the_start_has_kinks():
+    """Bilinear cells of 8 x 8: what has moved has their kinks, too, and is not what is interpolated then."""
+    corners = np.stack(np.meshgrid(np.arange(4.0), np.arange(4.0), indexing="ij"))
+    corners[:, 1:-1, 1:-1] += np.random.default_rng(0).uniform(-0.45, 0.45, (2, 2, 2))
+    weights = np.maximum(0, 1 - np.abs(np.arange(25)[:, None] / 8 - np.arange(4)))
+    start = gg.Grid.from_planes(*(weights @ corners @ weights.T))
+    found = gg.optimize(gg.MultiBlock([start]), "winslow")
+    assert found.converged
+    assert found.iterations == 2
 
 
 @pytest.mark.usefixtures("apart")

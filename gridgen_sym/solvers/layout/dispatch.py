@@ -27,13 +27,14 @@ class OnBoth(Protocol[Given, OfBlock, OfLayout]):
 
 
 def on_several_blocks(
-    for_layout: Callable[..., OfLayout], without: tuple[str, ...] = ()
+    for_layout: Callable[..., OfLayout], without: tuple[str, ...] = (), *, gets_own: bool = False
 ) -> Callable[[Callable[Concatenate[Grid, Given], OfBlock]], OnBoth[Given, OfBlock, OfLayout]]:
     """Return a decorator that hands a `MultiBlock` to another function.
 
     Args:
         for_layout: that function.
         without: names of arguments that it does not take; they are refused, unless they have their default value.
+        gets_own: whether it also takes the function of one block, as `of_one_block`.
     """
 
     def decorate(for_block: Callable[Concatenate[Grid, Given], OfBlock]) -> OnBoth[Given, OfBlock, OfLayout]:
@@ -46,7 +47,8 @@ def on_several_blocks(
             for name in without:
                 if kwargs.pop(name, defaults[name]) is not defaults[name]:
                     raise GridgenError(f"{for_block.__name__} of several blocks does not take {name!r}: leave it out")
-            return for_layout(grid, *args, **kwargs)
+            own = {"of_one_block": for_block} if gets_own else {}
+            return for_layout(grid, *args, **kwargs, **own)
 
         return either
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 
 from ...arrays import Array
 from ...functionals.definition import Functional
 from ...functionals.metric import LOGICAL_NAMES
-from ...grids import Grid
+from ...grids import Grid, corner_jacobians
 from ...topology import MultiBlock
 from ...topology.merging import Merged
 from ..binding import make_problem
+from ..multilevel.nested import coarse_shapes
+from ..multilevel.prolongation import is_transfinite
+from ..run.result import Result
 from .result import LayoutResult
 
 
@@ -33,20 +36,36 @@ def names_place(
     return bool(set(LOGICAL_NAMES) & set(planes))
 
 
-def of_all_blocks(solve: Callable[[], LayoutResult], layout: MultiBlock, merged: Merged) -> LayoutResult:
+def is_one_grid(merged: MultiBlock) -> bool:
+    """Whether merged blocks are a plain grid, for which the solver of one block costs least.
+
+    Where it has coarse grids they begin from the boundary, so the start's own inner nodes must be of no use: folded, or
+    those of transfinite interpolation.
+    """
+    planes, few = merged.blocks[0].planes, len(coarse_shapes(merged.blocks[0].shape)) == 1
+    if len(merged) > 1 or merged.bonds:
+        return False
+    return few or is_transfinite(planes) or not min(corners.min() for corners in corner_jacobians(*planes)) > 0
+
+
+def of_all_blocks(solve: Callable[[], LayoutResult | Result], layout: MultiBlock, merged: Merged) -> LayoutResult:
     """Solve on merged blocks, and return the result as one on those that were given.
 
     The result that comes with an error of the user's callback, too, is one on these.
     """
 
-    def taken_apart(found: LayoutResult) -> LayoutResult:
-        planes = merged.split([block.planes for block in found.grid.blocks])
-        return replace(found, grid=layout.moved(planes))
+    def taken_apart(found: LayoutResult | Result) -> LayoutResult:
+        blocks = found.grid.blocks if isinstance(found, LayoutResult) else [found.grid]
+        grid = layout.moved(merged.split([block.planes for block in blocks]))
+        if isinstance(found, LayoutResult):
+            return replace(found, grid=grid)
+        kept = {one.name: getattr(found, one.name) for one in fields(LayoutResult) if one.name != "grid"}
+        return LayoutResult(grid=grid, **kept)
 
     try:
         return taken_apart(solve())
     except Exception as error:
         best = getattr(error, "result", None)
-        if isinstance(best, LayoutResult):
+        if isinstance(best, LayoutResult | Result):
             error.result = taken_apart(best)  # type: ignore[attr-defined]
         raise

@@ -40,7 +40,7 @@ class NestedLayouts:
         self._make, self._functional, self._parameters, self._report = make, functional, parameters, report
 
     def start(self, layout: MultiBlock, problem: LayoutProblem) -> Array:
-        """Return a start for a layout: its own coordinates, plus how the solution on a coarser layout differs there."""
+        """Return a start for a layout: of what the solution on a coarser layout gives the best, or its own nodes."""
         own = problem.exchange.join([grid.planes for grid in layout.blocks])
         halved = _halved(layout)
         if halved is None:
@@ -50,16 +50,21 @@ class NestedLayouts:
             coarse_problem = self._make(coarse)
             solved = self._solve(coarse_problem, self.start(coarse, coarse_problem))
             before = coarse_problem.exchange.join([grid.planes for grid in coarse.blocks])
-            moves = coarse_problem.exchange.views(solved - before)
-            for place, move in zip(problem.exchange.views(own), moves, strict=True):
-                place += resample(move, place.shape[1:], linear=False)
-            return self._better(problem, layout, problem.exchange.of_first_copies(own))
-        return problem.exchange.join([grid.planes for grid in layout.blocks])
 
-    def _better(self, problem: LayoutProblem, layout: MultiBlock, found: Array) -> Array:
-        """Return the less folded of the layout's own grid and another; of two valid ones the second."""
-        own = problem.exchange.join([grid.planes for grid in layout.blocks])
-        return own if problem.folds(own) < problem.folds(found) and problem.folds(found).cells else found
+            def prolongations(*, linear: bool) -> list[Array]:
+                """Return the layout's own nodes with what has moved, and the solved nodes with the own fixed ones."""
+                moved, between = own.copy(), own.copy()
+                both = [problem.exchange.views(one) for one in (moved, between)]
+                parts = [coarse_problem.exchange.views(one) for one in (solved - before, solved)]
+                for place, move in zip(both[0], parts[0], strict=True):
+                    place += resample(move, place.shape[1:], linear=linear)
+                for place, nodes, fixed in zip(both[1], parts[1], problem.fixed, strict=True):
+                    free = fixed == 0
+                    place[:, free] = resample(nodes, place.shape[1:], linear=linear)[:, free]
+                return [problem.exchange.of_first_copies(one) for one in (moved, between)]
+
+            return _best(problem, own, prolongations)
+        return own
 
     def _solve(self, problem: LayoutProblem, start: Array) -> Array:
         problem.refresh(start)
@@ -71,6 +76,23 @@ class NestedLayouts:
         self._report.begin("minimize", shape)
         minimize(problem, start, self._report, tolerance=_TOLERANCE, max_iterations=_STEPS, keep_valid=True)
         return start
+
+
+def _best(problem: LayoutProblem, own: Array, prolongations: Callable[..., list[Array]]) -> Array:
+    """Return of several starts the valid one of least energy, or the least folded of all.
+
+    Cubic interpolation is the better one, and may fold cells beside kinks, where linear interpolation does not.
+    """
+    for linear in (False, True):
+        valid = []
+        for start in prolongations(linear=linear):
+            problem.refresh(start)
+            energy, smallest = problem.energy(start)
+            if smallest > 0:
+                valid.append((energy, start))
+        if valid:
+            return min(valid, key=lambda one: one[0])[1]
+    return min([own, *prolongations(linear=False)], key=problem.folds)
 
 
 def _halved(layout: MultiBlock) -> list[tuple[bool, bool]] | None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Any
 
 import numpy.typing as npt
 
@@ -20,10 +21,11 @@ from ..newton.minimize import minimize
 from ..run.checks import check_controls
 from ..run.deadline import Deadline
 from ..run.progress import Callback, Progress
+from ..run.result import Result
 from ..run.status import Outcome, Status
 from ..run.stopping import run_to_result
 from .binding import blocks_of, logical_rectangles, make_layout_problem
-from .merged import names_place, of_all_blocks, references_of
+from .merged import is_one_grid, names_place, of_all_blocks, references_of
 from .nested import NestedLayouts
 from .problem import LayoutProblem
 from .result import LayoutResult
@@ -54,12 +56,15 @@ def optimize_layout(
     time_limit: float | None = None,
     progress: bool | None = None,
     backend: str | None = None,
+    of_one_block: Callable[..., Result] | None = None,
+    merges: bool = True,
 ) -> LayoutResult:
     """Minimize a functional over a grid of several blocks; see `gridgen_sym.optimize`.
 
     Connected nodes move like inner ones; the outer boundary stays. `fixed`, and values that are given as a mapping from
     the names of blocks, are for each block; `walls` by block and side, such as `{"a": {"bottom": Wall(first=1e-3)}}`,
-    or by the name of a boundary, `{"wall": Wall(first=1e-3)}`.
+    or by the name of a boundary, `{"wall": Wall(first=1e-3)}`. With `merges`, blocks are put together where that gives
+    the same grid; if they make up a plain one, `of_one_block` solves, where it is given.
 
     Raises:
         GridgenError: for input that cannot be used.
@@ -95,24 +100,26 @@ def optimize_layout(
     alike = weight is None and not fields and fixed is None and walls is None and spacing in ("unit", "index")
     references = references_of(grid, target)
     alike = alike and (target is None or references is not None)
-    if alike and not names_place(grid, definition, parameters, backend):
+    if merges and alike and not names_place(grid, definition, parameters, backend):
         merged = merge(grid)
         if len(merged.layout) < len(grid):
-            again = partial(
-                optimize_layout,
-                merged.layout,
-                definition,
-                target=merged.join(references) if references is not None else None,
-                parameters=parameters,
-                tolerance=tolerance,
-                max_iterations=max_iterations,
-                keep_valid=keep_valid,
-                spacing=spacing,
-                callback=callback,
-                time_limit=time_limit,
-                progress=progress,
-                backend=backend,
-            )
+            reference = merged.join(references) if references is not None else None
+            given: dict[str, Any] = {
+                "parameters": parameters,
+                "tolerance": tolerance,
+                "max_iterations": max_iterations,
+                "keep_valid": keep_valid,
+                "spacing": spacing,
+                "callback": callback,
+                "time_limit": time_limit,
+                "progress": progress,
+                "backend": backend,
+            }
+            again: Callable[[], LayoutResult | Result]
+            again = partial(optimize_layout, merged.layout, definition, target=reference, merges=False, **given)
+            if of_one_block is not None and is_one_grid(merged.layout):
+                whole = None if reference is None else reference.blocks[0]
+                again = partial(of_one_block, merged.layout.blocks[0], definition, target=whole, **given)
             return of_all_blocks(again, grid, merged)
     limit = _STEPS if max_iterations is None else max_iterations
     with Progress(f"{definition.name}, {len(grid)} blocks", callback, progress, Deadline(time_limit)) as report:

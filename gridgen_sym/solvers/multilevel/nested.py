@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...arrays import Array
 from ...errors import UnusableValueError
 from ...functionals.definition import Functional
@@ -17,7 +15,7 @@ from ..problem import Problem
 from ..run.progress import Progress
 from ..sliding.slide import Slide
 from ..untangling.strategies import untangle_regularized
-from .prolongation import coarse_start, finer_start, from_boundary
+from .prolongation import coarse_start, finer_start, from_boundary, is_transfinite
 
 #: A direction with this many cells is not halved further.
 _FEWEST_CELLS = 16
@@ -38,8 +36,7 @@ def worth_nesting(problem: Problem, coordinates: Array) -> bool:
         return False
     if not problem.energy(coordinates)[1] > 0:
         return True
-    difference = np.abs(coordinates - from_boundary(coordinates)).max()
-    return problem.kernels.backend == "c" and bool(difference <= 1e-9 * np.ptp(coordinates))
+    return problem.kernels.backend == "c" and is_transfinite(coordinates)
 
 
 @dataclass(slots=True)

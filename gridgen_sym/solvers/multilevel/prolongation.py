@@ -78,6 +78,11 @@ def from_boundary(coordinates: Array) -> Array:
     return transfinite(*(side.T for side in sides)).planes
 
 
+def is_transfinite(coordinates: Array) -> bool:
+    """Whether nodes (2, ni, nj) are those of the transfinite interpolation of their boundary, to rounding."""
+    return bool(np.abs(coordinates - from_boundary(coordinates)).max() <= 1e-9 * np.ptp(coordinates))
+
+
 def resample(field: Array, shape: tuple[int, ...], *, linear: bool) -> Array:
     """Interpolate a field (2, ni, nj), uniform in the logical square, to another number of nodes."""
     return _resample_rows(_resample_lines(field, shape[1], linear=linear), shape[0], linear=linear)
