@@ -14,6 +14,9 @@ from typing import BinaryIO
 
 from .errors import GridgenError, quoted, shortened
 
+#: Bytes that suffice to tell the kind of a file.
+_START = 4096
+
 
 def shown(path: str | os.PathLike[str]) -> str:
     """Return a path for a message; no path in use is cut."""
@@ -203,17 +206,32 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
     Raises:
         GridgenError: if the file is missing, a folder, a device, without permission, or empty.
     """
+    data = _read(path, -1)
+    if not data.strip():
+        raise GridgenError(f"cannot read {shown(path)}: the file is empty; write it again")
+    return data
+
+
+def read_start(path: str | os.PathLike[str]) -> bytes:
+    """Return the first bytes of a file, which tell what kind it is of.
+
+    Raises:
+        GridgenError: if the file is missing, a folder, a device or without permission.
+    """
+    return _read(path, _START)
+
+
+def _read(path: str | os.PathLike[str], count: int) -> bytes:
+    """Return the first bytes of a file; all for a negative count."""
     try:
         status = os.stat(file_name(path))
         if stat.S_ISCHR(status.st_mode) or stat.S_ISBLK(status.st_mode):  # Such as /dev/zero, which has no end.
             raise GridgenError(f"cannot read {shown(path)}: it is a device; name a file")
-        data = Path(path).read_bytes()
+        with Path(path).open("rb") as stream:
+            return stream.read(count)
     except FileNotFoundError as error:
         raise GridgenError(f"cannot read {shown(path)}: there is no such file; check its name and folder") from error
     except IsADirectoryError as error:
         raise GridgenError(f"cannot read {shown(path)}: it is a folder; name a file in it") from error
     except OSError as error:
         raise GridgenError(f"cannot read {shown(path)}: {error.strerror or error}; check its permissions") from error
-    if not data.strip():
-        raise GridgenError(f"cannot read {shown(path)}: the file is empty; write it again")
-    return data

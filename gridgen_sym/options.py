@@ -110,6 +110,12 @@ OUTLINE = _table(
     Option("reorient", "Whether a clockwise curve is reversed", bool, default=True, unset="reorient"),
 )
 
+#: Of `read` and `write`.
+FILES = _table(
+    Option("layout", "Connect the sides of a file of one block, too: the cut of a C- or O-grid", bool, default=False),
+    Option("form", "Words that select a format, or a variant of one"),
+)
+
 #: Of `airfoil_grid`.
 AIRFOIL = _table(
     Option("kind", "Type of the grid: C, with a cut along the wake, or O", default="C", choices=("C", "O")),

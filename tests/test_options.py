@@ -12,7 +12,7 @@ import pytest
 import gridgen_sym as gg
 from gridgen_sym.adaptation.monitor import _MEASURES
 from gridgen_sym.cli import main
-from gridgen_sym.options import ADAPTATION, AIRFOIL, OUTLINE, SAMPLES, SOLVERS, WEIGHT, Option
+from gridgen_sym.options import ADAPTATION, AIRFOIL, FILES, OUTLINE, SAMPLES, SOLVERS, WEIGHT, Option
 
 #: (a function or class, the table of its arguments, which of them have another name there).
 CALLED = [
@@ -27,6 +27,8 @@ CALLED = [
     (gg.Outline.read, OUTLINE, {}),
     (gg.Outline.sides, OUTLINE, {}),
     (gg.airfoil_grid, AIRFOIL, {}),
+    (gg.read, FILES, {}),
+    (gg.write, FILES, {}),
 ]
 SHARED = [
     pytest.param(function, name, table[names.get(name, name)], id=f"{function.__qualname__}-{name}")

@@ -12,6 +12,7 @@ from ..version import __version__
 from .adaptation import adapt
 from .airfoil import airfoil
 from .base import Program, functionals_option
+from .files import convert, formats
 from .formulas import check, derive, docs, functionals, verify
 from .generate import generate
 from .grids import domains, grid, quality
@@ -31,7 +32,7 @@ def main() -> None:
     """  # noqa: D301 - click reads the backspace: keep the lines
 
 
-_about_grids = grid, airfoil, adapt, quality, domains, layouts
+_about_grids = grid, airfoil, adapt, quality, convert, domains, layouts, formats
 _about_formulas = functionals, derive, docs, check, verify, generate, info, paper
 for _command in (*_about_grids, *_about_formulas):
     main.add_command(_command)

@@ -36,7 +36,9 @@ if TYPE_CHECKING:
 @option(ADAPTATION["parameters"], "--parameter", "parameters", multiple=True, metavar="NAME=VALUE")
 @start_options
 @option(ADAPTATION["time_limit"], metavar="SECONDS")
-@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz or .cgns.")
+@click.option(
+    "-o", "--output", metavar="OUT", help="Write the grid: .vts, .npz, .cgns, ...; see 'gridgen-sym formats'."
+)
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @functionals_option

@@ -25,7 +25,9 @@ from .types import SizedCommand
 @option(AIRFOIL["leading"], metavar="CHORDS")
 @option(AIRFOIL["trailing"], metavar="CHORDS")
 @option(AIRFOIL["blunt"])
-@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz or .cgns.")
+@click.option(
+    "-o", "--output", metavar="OUT", help="Write the grid: .vts, .npz, .cgns, ...; see 'gridgen-sym formats'."
+)
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
 @option(AIRFOIL["backend"], metavar="NAME")
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")

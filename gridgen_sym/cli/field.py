@@ -32,7 +32,7 @@ _FIELD = (
     "p:logical='1 + xi'"
 )
 _TARGET = (
-    "--target takes a grid file (.vts, .xyz, .p2dfmt, .csv, .npz, .cgns or .vtm), alone or with an angle: 'FILE, 90', "
+    "--target takes a grid file (.vts, .npz, .cgns, ...), alone or with an angle: 'FILE, 90', "
     "or formulas in xi and eta: 'w1, w2' or 'w1, w2, angle'"
 )
 
@@ -183,7 +183,7 @@ def _is_formula(text: str) -> bool:
 
 def _arrays(data: bytes, smooth: bool, outside: Outside) -> Any:  # noqa: ANN401
     from ..fields import raster_field
-    from ..io.npz import read_arrays
+    from ..io.archives import read_arrays
 
     arrays = read_arrays(data, (("x", "y", "values"), ("values",)), _ARRAYS)
     if "x" not in arrays:

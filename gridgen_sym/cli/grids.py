@@ -47,7 +47,9 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @start_options
 @click.option("--layout", is_flag=True, help=LAYOUT_HELP)
 @click.option("--refine", type=integer, metavar="N", help=REFINE_HELP)
-@click.option("-o", "--output", metavar="OUT", help="Write the grid: .vts, .xyz, .p2dfmt, .csv, .npz, .cgns or .vtm.")
+@click.option(
+    "-o", "--output", metavar="OUT", help="Write the grid: .vts, .npz, .cgns, ...; see 'gridgen-sym formats'."
+)
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
 @option(
     SOLVERS["weight"],
@@ -107,7 +109,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     has folded cells or the functional has no derivative there, and after Ctrl-C, which writes the best grid so far,
     with 130.
     """
-    from ..io import check_holds
+    from ..io import check_written
     from ..solvers.run.status import Status, StopReason
     from ..topology import MultiBlock
 
@@ -120,7 +122,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     check_outputs(output, plot)
     start = start_grid(input, **boundary)
     if output and isinstance(start, MultiBlock):
-        check_holds(output, len(start))
+        check_written(output, len(start))
     begin = Announcement(quiet, input, start)
     result: Result | LayoutResult = solve(start, callback=begin)
     begin()

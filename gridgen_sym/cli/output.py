@@ -22,18 +22,16 @@ def check_outputs(output: str | None, plot: str | None) -> None:
     from importlib.util import find_spec
 
     from ..atomic import check_target
-    from ..io import known_suffixes
+    from ..io import check_written
 
-    if output and Path(output).suffix.lower() not in known_suffixes():
-        raise GridgenError(f"cannot write {output}: its suffix must be one of {', '.join(known_suffixes())}")
+    if output:
+        check_written(output)
     for path in filter(None, (output, plot)):
         check_target(path)
     if plot and Path(plot).suffix.lower() not in _PICTURES:
         raise GridgenError(f"cannot write {plot}: a picture's suffix must be one of {', '.join(_PICTURES)}")
     if plot and find_spec("matplotlib") is None:
         raise MissingExtraError("--plot", "plot", "matplotlib")
-    if output and Path(output).suffix.lower() == ".cgns" and find_spec("h5py") is None:
-        raise MissingExtraError("writing a CGNS file", "io", "h5py")
 
 
 def report(quiet: bool, text: str) -> None:

@@ -77,7 +77,7 @@ def start_grid(
         GridgenError: if it is none of these, or cannot be read.
     """
     from ..boundary import domain, domain_names
-    from ..io import known_suffixes
+    from ..io import holds_grid, known_suffixes
     from ..topology.shapes import layout_names
 
     ni, nj = (cells + 1 for cells in size or _DEFAULT_CELLS)
@@ -92,7 +92,7 @@ def start_grid(
     if refine is not None:
         raise GridgenError(f"--refine belongs to a layout in TOML or a mesh, which {source} is not")
     is_file = suffix in known_suffixes() or Path(source).is_file()
-    if is_file and not layout and (suffix not in known_suffixes() or (suffix == ".csv" and not _has_nodes(source))):
+    if is_file and not layout and not holds_grid(source):
         return _outline_grid(source, (ni, nj), corners, sampling, sides, reorient)
     for flag, value in (("--corners", corners), ("--sampling", sampling), ("--side", sides or None)):
         if value is not None:
@@ -141,18 +141,6 @@ def parameters_of(name: str, texts: tuple[str, ...]) -> dict[str, float]:
     given = assignments(texts, f"the functional {name!r}")
     definition.values(given)
     return given
-
-
-def _has_nodes(path: str) -> bool:
-    """Return whether a CSV file has the header of a grid file, and is no outline."""
-    header = next((line for line in _lines(path) if line.strip() and not line.startswith("#")), "")
-    return header.replace(" ", "").lower() == "i,j,x,y"
-
-
-def _lines(path: str) -> list[str]:
-    from ..atomic import read_bytes
-
-    return read_bytes(path).decode("utf-8-sig", errors="replace").splitlines()
 
 
 def _outline_grid(

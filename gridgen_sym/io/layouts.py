@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 from ..atomic import read_bytes, shown
 from ..errors import GridgenError
 from ..grids.grid import Grid
-from ..topology.connection import Connection
+from ..topology.connection import Connection, SidePart
 from ..topology.multiblock import MultiBlock
 from . import nmf
+from .format import Blocks
 
 _SUFFIX = ".nmf"
 
@@ -21,32 +23,50 @@ def map_path(path: str | os.PathLike[str]) -> Path:
     return Path(path).with_suffix(_SUFFIX)
 
 
-def assembled(blocks: Sequence[Grid], path: str | os.PathLike[str], names: Sequence[str] | None = None) -> MultiBlock:
+def assembled(blocks: Blocks, path: str | os.PathLike[str]) -> MultiBlock:
     """Return the layout of the blocks of a file.
 
     Args:
-        blocks: the grids.
-        path: of the file; where a neutral map file stands beside it, that gives the connections and names of the
-            boundaries. Otherwise nodes that coincide are connected.
-        names: of the blocks, if the file has names.
+        blocks: what the file holds.
+        path: of the file. Where it says nothing of connections and boundaries, the neutral map file beside it does.
+            Without both, nodes that coincide are connected.
 
     Raises:
         GridgenError: if the map does not fit the blocks, or their connected nodes do not coincide.
     """
+    if blocks.bonds is not None or blocks.boundaries:
+        return _of_file(blocks, path)
     beside = next((p for p in (map_path(path), map_path(path).with_suffix(_SUFFIX.upper())) if p.is_file()), None)
     if beside is None:
-        try:
-            return MultiBlock(dict(zip(names, blocks, strict=True)) if names else blocks)
-        except GridgenError as error:
-            raise GridgenError(f"cannot connect the blocks of {shown(path)}: {error}") from error
+        return _of_file(blocks, path)
     try:
-        found = nmf.decode(read_bytes(beside), [grid.shape for grid in blocks])
-        named = dict(zip(names or found.names, blocks, strict=True))
-        if len(named) < len(blocks):
+        found = nmf.decode(read_bytes(beside), [grid.shape for grid in blocks.grids])
+        named = dict(zip(blocks.names or found.names, blocks.grids, strict=True))
+        if len(named) < len(blocks.grids):
             raise GridgenError("two blocks have one name: name them differently")
         return _connected(named, found)
     except GridgenError as error:
         raise GridgenError(f"cannot read {shown(beside)} as a neutral map file: {error}") from error
+
+
+def _of_file(blocks: Blocks, path: str | os.PathLike[str]) -> MultiBlock:
+    """Return the layout of what the file itself says; where it says nothing, coinciding nodes are connected."""
+    connections: Sequence[Connection] | Literal["auto"] = "auto"
+    if blocks.bonds is not None:
+        connections = [
+            Connection(_given(bond.one), _given(bond.other), rotation=bond.motion.angle, translation=bond.motion.shift)
+            for bond in blocks.bonds
+        ]
+    boundaries = {name: [_given(part) for part in parts] for name, parts in blocks.boundaries.items()}
+    try:
+        return MultiBlock(dict(blocks.described), connections, boundaries=boundaries)
+    except GridgenError as error:
+        raise GridgenError(f"cannot connect the blocks of {shown(path)}: {error}") from error
+
+
+def _given(part: SidePart) -> tuple[object, ...]:
+    """Return a part as users write it."""
+    return part.block, part.side, (part.first, part.last)
 
 
 def _connected(blocks: dict[str, Grid], found: nmf.NeutralMap) -> MultiBlock:
@@ -54,7 +74,7 @@ def _connected(blocks: dict[str, Grid], found: nmf.NeutralMap) -> MultiBlock:
     connections = [connection for _, connection in found.connections]
     boundaries: dict[str, list[tuple[object, ...]]] = {}
     for _, name, part in found.boundaries:
-        boundaries.setdefault(name, []).append((part.block, part.side, (part.first, part.last)))
+        boundaries.setdefault(name, []).append(_given(part))
     try:
         return MultiBlock(blocks, connections, boundaries=boundaries)
     except GridgenError as error:
@@ -71,7 +91,7 @@ def _first_wrong_line(blocks: dict[str, Grid], found: nmf.NeutralMap, connection
             return line
     for line, name, part in found.boundaries:
         try:
-            MultiBlock(blocks, connections, boundaries={name: [(part.block, part.side, (part.first, part.last))]})
+            MultiBlock(blocks, connections, boundaries={name: [_given(part)]})
         except GridgenError:
             return line
     return 0

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from gridgen_sym.boundary import domain
 from gridgen_sym.errors import GridgenError, MissingExtraError
 from gridgen_sym.grids import Grid
-from gridgen_sym.io import cgns, read
+from gridgen_sym.io import read
+from gridgen_sym.io.formats import cgns
 
 GRID = domain("swan", 7, 5)
 

@@ -11,6 +11,7 @@ from gridgen_sym.functionals import functional, functionals, is_builtin, is_lite
 from gridgen_sym.symbolic import classify
 from gridgen_sym.symbolic.report.latex import latex
 
+from .files_page import write_files_page
 from .literature_page import write_literature_page
 from .paper_pages import write_paper_pages
 from .reference_pages import write_reference_pages
@@ -47,6 +48,7 @@ def write_pages(docs: Path) -> None:
     _write_functionals(docs / "functionals")
     write_paper_pages(docs / "paper")
     write_reference_pages(docs / "reference")
+    write_files_page(docs / "reference")
 
 
 def _write_functionals(folder: Path) -> None:

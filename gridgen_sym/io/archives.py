@@ -1,4 +1,4 @@
-"""NumPy archives (.npz): the array xy, or the arrays x and y. Nothing is unpacked before its size is known."""
+"""Arrays of NumPy archives (.npz). Nothing is unpacked before its size is known."""
 
 from __future__ import annotations
 
@@ -11,10 +11,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import GridgenError, shortened
-from ..grids.grid import Grid
 from .checks import check_packing
 
-_EXPECTED = "expected the array 'xy' (ni, nj, 2), or 'x' and 'y' (ni, nj)"
 #: NumPy writes the header of an array into so many bytes at most; a damaged one may announce any number.
 _HEADER = 1 << 14
 #: What a damaged archive raises in the libraries that read it.
@@ -22,24 +20,6 @@ _FAULTS = (
     ValueError, TypeError, OSError, EOFError, KeyError, MemoryError, NotImplementedError, RuntimeError, SyntaxError,
     zlib.error, zipfile.BadZipFile,
 )  # fmt: skip
-
-
-def encode(grid: Grid) -> bytes:
-    """Return the grid as a NumPy archive with the one array ``xy``, shape (ni, nj, 2)."""
-    stream = io.BytesIO()
-    np.savez(stream, xy=grid.xy)
-    return stream.getvalue()
-
-
-def decode(data: bytes) -> Grid:
-    """Return the grid of a NumPy archive with the array ``xy``, shape (ni, nj, 2), or ``x`` and ``y``, (ni, nj).
-
-    Raises:
-        GridgenError: if the archive is damaged, holds Python objects, has no such arrays, or is packed so tightly that
-            it can hold no grid.
-    """
-    arrays = read_arrays(data, (("xy",), ("x", "y")), _EXPECTED)
-    return Grid(arrays["xy"]) if "xy" in arrays else Grid.from_planes(arrays["x"], arrays["y"])
 
 
 def read_arrays(data: bytes, forms: tuple[tuple[str, ...], ...], expected: str) -> dict[str, Array]:

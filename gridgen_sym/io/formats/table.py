@@ -6,14 +6,15 @@ import io
 
 import numpy as np
 
-from ..arrays import Array
-from ..errors import GridgenError, quoted, shortened
-from ..grids.grid import Grid
+from ...arrays import Array
+from ...errors import GridgenError, quoted, shortened
+from ...grids.grid import Grid
+from ..format import Format
 
 HEADER = "i,j,x,y"
 
 
-def encode_csv(grid: Grid) -> bytes:
+def encode(grid: Grid) -> bytes:
     """Return the grid as a CSV table: the header ``i,j,x,y``, then one line for each node.
 
     The last node comes first: its line holds the size, so that a table cut short anywhere is noticed.
@@ -24,7 +25,7 @@ def encode_csv(grid: Grid) -> bytes:
     return "\n".join(lines).encode("ascii")
 
 
-def decode_csv(data: bytes) -> Grid:
+def decode(data: bytes) -> Grid:
     """Return the grid of a CSV table whose rows come in any order.
 
     Raises:
@@ -72,3 +73,22 @@ def _grid_of_rows(rows: Array) -> Grid:
     xy = np.empty((ni * nj, 2))
     xy[place] = rows[:, 2:]
     return Grid(xy.reshape(ni, nj, 2))
+
+
+def recognizes(start: bytes) -> bool:
+    """Return whether a table has the header of a grid, and is no outline."""
+    lines = start.decode("utf-8-sig", errors="replace").splitlines()
+    header = next((line for line in lines if line.strip() and not line.startswith("#")), "")
+    return header.replace(" ", "").lower() == HEADER
+
+
+FORMAT = Format(
+    name="table of nodes",
+    suffixes=(".csv",),
+    decode=decode,
+    encode=encode,
+    recognizes=recognizes,
+    writes=f"a line for each node: `{HEADER}`",
+    reads="rows in any order",
+    test="tests/io/test_files.py::test_the_csv_text_and_rows_in_any_order",
+)

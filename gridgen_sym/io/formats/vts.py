@@ -11,11 +11,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..errors import GridgenError, quoted, shortened
-from ..grids.grid import Grid
-from ..parsing import whole_number_in
-from .checks import plane_grid
-from .vtk_data import DAMAGED, DataArrays
+from ...errors import GridgenError, quoted, shortened
+from ...grids.grid import Grid
+from ...parsing import whole_number_in
+from ..checks import plane_grid
+from ..format import Format
+from ..vtk_data import DAMAGED, DataArrays
 
 
 def encode(grid: Grid) -> bytes:
@@ -95,3 +96,15 @@ def _split_appended(data: bytes) -> tuple[bytes, bytes]:
     if start < 0 or not start < mark < end:
         return data, b""
     return data[:mark] + data[end:], data[mark + 1 : end]
+
+
+FORMAT = Format(
+    name="VTK XML structured grid",
+    suffixes=(".vts",),
+    decode=decode,
+    encode=encode,
+    dimensions="a plane of constant z",
+    writes="ASCII, 17 digits, for ParaView, PyVista, VisIt",
+    reads="also binary, inline or appended, plain or compressed by zlib, either byte order; one piece",
+    test="tests/io/test_files.py::test_vtk_reads_what_is_written",
+)

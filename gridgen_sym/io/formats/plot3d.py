@@ -15,34 +15,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array
-from ..errors import GridgenError
-from ..grids.grid import Grid
-from ..messages import report
-from .checks import plane_grid
-from .plot3d_numbers import EXPECTED, Numbers, numbers_in
+from ...arrays import Array
+from ...errors import GridgenError
+from ...grids.grid import Grid
+from ...messages import report
+from ..checks import plane_grid
+from ..format import Blocks, Format
+from ..plot3d_numbers import EXPECTED, Numbers, numbers_in
 
 _MOST_BLOCKS = 100_000  # A first number that is larger counts no blocks.
 
 
-def encode(*blocks: Grid) -> bytes:
-    """Return grids as a PLOT3D file: multi-block, three-dimensional, ASCII."""
-    return _encoded(blocks, " 1", lambda grid: (grid.x, grid.y, np.zeros(grid.shape)))
+def encode(blocks: Blocks) -> bytes:
+    """Return blocks as a PLOT3D file: multi-block, three-dimensional, ASCII."""
+    return encoded(blocks.grids, " 1", lambda grid: (grid.x, grid.y, np.zeros(grid.shape)))
 
 
-def encode_plane(*blocks: Grid) -> bytes:
-    """Return grids as a PLOT3D file: multi-block, two-dimensional, ASCII."""
-    return _encoded(blocks, "", lambda grid: (grid.x, grid.y))
-
-
-def _encoded(blocks: Sequence[Grid], depth: str, planes_of: Callable[[Grid], tuple[Array, ...]]) -> bytes:
-    sizes = "".join(f"{ni} {nj}{depth}\n" for ni, nj in (grid.shape for grid in blocks))
-    values = np.concatenate([plane.T.ravel() for grid in blocks for plane in planes_of(grid)])
+def encoded(grids: Sequence[Grid], depth: str, planes_of: Callable[[Grid], tuple[Array, ...]]) -> bytes:
+    """Return the text of a file of these planes, whose headers end with `depth`."""
+    sizes = "".join(f"{ni} {nj}{depth}\n" for ni, nj in (grid.shape for grid in grids))
+    values = np.concatenate([plane.T.ravel() for grid in grids for plane in planes_of(grid)])
     body = ("%.17g\n" * values.size) % tuple(values.tolist())
-    return f"{len(blocks)}\n{sizes}{body}".encode("ascii")
+    return f"{len(grids)}\n{sizes}{body}".encode("ascii")
 
 
-def decode(data: bytes) -> list[Grid]:
+def decode(data: bytes) -> Blocks:
     """Return the grids of a PLOT3D file, block by block. That an iblank is ignored is reported.
 
     Raises:
@@ -57,7 +54,7 @@ def decode(data: bytes) -> list[Grid]:
     forms = list(_forms(text, numbers))
     for form in forms:
         if numbers.count == form.count:
-            return _grids(numbers.all(), form)
+            return Blocks(tuple(_grids(numbers.all(), form)))
     counts = ", repeat counts included," if numbers.repeats is not None else ""
     needed = " or ".join(dict.fromkeys(f"{form.described} needs {form.count}" for form in forms))
     raise GridgenError(
@@ -174,3 +171,16 @@ def _check_iblank(iblank: Array) -> None:
             f"its iblank marks {len(holes)} nodes as holes (0), the first of which is node ({i}, {j}): holes cannot be "
             "represented here. Cut out a block without any"
         )
+
+
+FORMAT = Format(
+    name="PLOT3D grid",
+    suffixes=(".xyz",),
+    decode=decode,
+    encode=encode,
+    several=True,
+    dimensions="planes: one k plane of constant z",
+    writes="ASCII, 17 digits, multi-block, three-dimensional",
+    reads="also without the count of blocks, without z, with iblank (no holes); numbers as Fortran writes them",
+    test="tests/io/test_files.py::test_all_forms_of_plot3d",
+)

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..errors import GridgenError, MissingExtraError, shortened
-from ..grids.grid import Grid
-from .checks import check_packing, plane_grid
+from ...arrays import Array
+from ...errors import GridgenError, MissingExtraError, shortened
+from ...grids.grid import Grid
+from ..checks import check_packing, plane_grid
+from ..format import Format
 
 _VERSION = np.array([3.1], dtype=np.float32)  # The oldest one with these nodes: older libraries read it, too.
 _COORDINATES = ("CoordinateX", "CoordinateY", "CoordinateZ")
@@ -146,3 +147,17 @@ def _describe(group: Any, name: str, label: str, kind: str) -> None:  # noqa: AN
 def _text(text: str, length: int = 0) -> NDArray[np.int8]:
     """Return text as CGNS has it: numbers of one byte, filled with zeros up to a length."""
     return np.frombuffer(text.encode("ascii").ljust(length, b"\0"), dtype=np.int8)
+
+
+FORMAT = Format(
+    name="CGNS file",
+    suffixes=(".cgns",),
+    decode=decode,
+    encode=encode,
+    binary=True,
+    dimensions="a plane, or a volume of one k plane of constant z",
+    extra=("io", "h5py"),
+    writes="CGNS on HDF5: one structured zone",
+    reads="also single precision and compressed arrays",
+    test="tests/io/test_cgns.py::test_the_tree_is_that_of_the_standard",
+)

@@ -1,0 +1,66 @@
+"""The table of the formats of grid files in `docs/reference/files.md`, written from the registry of formats.
+
+`python docs/_ext/derived_pages/files_page.py` writes it anew; building the site does so, too.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gridgen_sym.documentation.functional_page import write_if_changed
+from gridgen_sym.io import known_formats
+from gridgen_sym.io.format import Format
+
+#: What stands around the table.
+_BEGIN, _END = "<!-- The table of formats: written by docs/_ext/derived_pages/files_page.py. -->", "<!-- End. -->"
+_HEAD = ("suffix", "format", "written", "read", "blocks", "names", "needs", "shown by")
+
+
+def table_of_formats() -> str:
+    """Return the table in Markdown: a row for each format, then the words that select a variant."""
+    rows = [_HEAD, ("---",) * len(_HEAD), *map(_row, known_formats().values())]
+    text = _lines(rows)
+    forms = [
+        (f"`{word}`", form.name, meaning) for form in known_formats().values() for word, meaning in form.forms.items()
+    ]
+    if forms:
+        text += "\n" + _lines([("form", "of", "what it selects"), ("---",) * 3, *forms])
+    return text
+
+
+def _row(form: Format) -> tuple[str, ...]:
+    """Return what the table says of a format."""
+    reads = ", ".join(filter(None, (form.dimensions, form.reads))) if form.decode else "no"
+    return (
+        " ".join(f"`{suffix}`" for suffix in form.suffixes),
+        form.name,
+        (form.writes or "yes") if form.encode else "no",
+        reads,
+        "several" if form.several else "one",
+        "in the file" if form.names else "`.nmf`",
+        f"{form.extra[1]} (extra `{form.extra[0]}`)" if form.extra else "",
+        f"`{form.test}`",
+    )
+
+
+def _lines(rows: list[tuple[str, ...]]) -> str:
+    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |\n" for row in rows)
+
+
+def with_table(page: str) -> str:
+    """Return the text of the page with the present table."""
+    before, begin, rest = page.partition(_BEGIN)
+    _, end, after = rest.partition(_END)
+    if not (begin and end):
+        raise ValueError(f"the page of files has no lines '{_BEGIN}' and '{_END}'")
+    return f"{before}{begin}\n\n{table_of_formats()}\n{end}{after}"
+
+
+def write_files_page(folder: Path) -> None:
+    """Write the table into the page in a folder."""
+    page = folder / "files.md"
+    write_if_changed(page, with_table(page.read_text(encoding="utf-8")))
+
+
+if __name__ == "__main__":
+    write_files_page(Path(__file__).parents[2] / "reference")
