@@ -18,11 +18,11 @@ LONGEST_FILE = 500
 #: A package imports only what stands before it, but for the packages on the ground, which import only each other.
 ORDER = (
     *("functionals", "symbolic", "codegen", "runtime", "backends"),
-    *("grids", "boundary", "topology", "certificates", "io", "fields", "layouts", "plotting"),
+    *("grids", "outlines", "boundary", "topology", "certificates", "io", "fields", "layouts", "plotting"),
     *("solvers", "adaptation", "selfcheck", "paper_examples", "documentation", "cli"),
 )
 #: They know nothing of functionals and kernels.
-GROUND = {"grids", "boundary", "topology", "certificates", "io", "plotting"}
+GROUND = {"grids", "outlines", "boundary", "topology", "certificates", "io", "plotting"}
 #: The order within a package that has packages of its own.
 INNER_ORDER = {
     "symbolic": ("derive", "classify", "report", "paper"),
@@ -30,6 +30,7 @@ INNER_ORDER = {
 }
 #: Modules beside the packages that any package may use, and that use no package themselves.
 SHARED = {
+    "archives",
     "arrays",
     "atomic",
     "cache",

@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from ..arrays import Array, real_array
 from ..atomic import read_bytes, shown
-from ..errors import GridgenError, quoted
+from ..errors import GridgenError
+from ..outlines.formats.section import EXPECTED, parse_section
 from .curves import Side
 from .laws import two_ended
 from .naca import naca_points
@@ -21,10 +22,6 @@ _FEWEST = 9
 #: Ends that are so near, in chords, are the same point.
 _SHARP = 1e-6
 _SAMPLES = 4001
-_FORM = (
-    "expected Selig's form: a line with the name, then a line 'x y' for each point, from the trailing edge over the "
-    "upper side to the leading edge and back on the lower side"
-)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,19 +56,9 @@ class AirfoilSection:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> AirfoilSection:
-        """Read a file of Selig's form; coordinates stay what they are."""
+        """Read a file of Selig's or Lednicer's form; coordinates stay what they are."""
         try:
-            lines = read_bytes(path).decode("latin-1").splitlines()
-            rows = [words for words in (line.replace(",", " ").split() for line in lines) if words]
-            named = not all(map(_is_number, rows[0])) if rows else False
-            name = " ".join(rows[0]) if named else Path(path).stem
-            for number, words in enumerate(rows[named:], 1):
-                if len(words) != 2 or not all(map(_is_number, words)):
-                    raise GridgenError(f"point {number} is {quoted(' '.join(words))}; {_FORM}")
-            points = np.array(rows[named:], dtype=float).reshape(-1, 2)
-            if len(points) and points[0].min() > 1.5 and (points[0] % 1 == 0).all():
-                raise GridgenError(f"its first pair {points[0]} counts points, as in Lednicer's form; {_FORM}")
-            return cls.of_points(name, points)
+            return cls.of_points(*parse_section(read_bytes(path), Path(path)))
         except GridgenError as error:
             raise GridgenError(f"cannot read the airfoil {shown(path)}: {error}") from error
 
@@ -84,7 +71,7 @@ class AirfoilSection:
         again[1:] = (np.diff(points, axis=0) == 0).all(axis=1)
         points = points[~again]
         if len(points) < _FEWEST:
-            raise GridgenError(f"a section needs at least {_FEWEST} different points; came {len(points)}. {_FORM}")
+            raise GridgenError(f"a section needs at least {_FEWEST} different points; came {len(points)}. {EXPECTED}")
         x, y = points.T
         area = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
         if area > 0:
@@ -93,7 +80,7 @@ class AirfoilSection:
         if gap > 0.1 * chord or abs(area) < 1e-4 * chord**2:
             raise GridgenError(
                 f"the section is not closed at the trailing edge: its ends are {gap / chord:.3g} chords apart, and it "
-                f"encloses {abs(area) / chord**2:.3g} square chords; {_FORM}"
+                f"encloses {abs(area) / chord**2:.3g} square chords; {EXPECTED}"
             )
         points = points.copy()
         if gap < _SHARP * chord:
@@ -162,11 +149,3 @@ class AirfoilSection:
 
 def _chord(points: npt.NDArray[np.float64]) -> float:
     return float(np.hypot(*(points - (points[0] + points[-1]) / 2).T).max())
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..atomic import read_bytes, write_bytes
+from ..atomic import write_bytes
 from ..errors import GridgenError
 from ..grids.grid import Grid, check_counts
 from ..messages import report
+from ..outlines import read_content
 from .corners import CornerChoice, Corners, automatic_corners
-from .outline_checks import checked_corners, checked_points, crossing_text, run_backwards
-from .outline_file import parse_outline
+from .outline_checks import checked_corners, checked_islands, checked_points, crossing_text, run_backwards
 from .outline_sides import automatic_choice, check_sampling, corner_choice, rolled, sampled_sides
 from .polygon import first_crossing, first_repeated, is_clockwise
 from .sampling import Sampling
@@ -40,11 +40,13 @@ class Outline:
         points: the vertices, shape (N, 2), read-only; the last is not a copy of the first.
         corners: the indices of the four corners.
         name: what to call it in messages.
+        islands: closed curves inside, each (n, 2), read-only: a grid runs across them, for a mask to cover.
     """
 
     points: Array
     corners: Corners
     name: str
+    islands: tuple[Array, ...]
 
     def __init__(
         self,
@@ -53,19 +55,23 @@ class Outline:
         name: str = "outline",
         *,
         reorient: bool = True,
+        islands: Sequence[ArrayLike] = (),
     ) -> None:
         """Copy and check an outline.
 
         Args:
             points: shape (N, 2), N >= 4, finite, no two in succession equal, not crossing itself. Copies of the first
                 point at the end, by which many programs mark a closed curve, are left out.
-            corners: corners of the outline: four indices in the order of the points; or N marks, 1 at the four corners
-                and 0 elsewhere, as pygridgen's `beta`; or 'auto': the best four for a square of cells, see
-                `choose_corners`. The points are rolled so that the first corner comes first. Indices and marks of
-                copies of the first point are those of that point.
+            corners: corners of the outline: four indices in the order of the points; or N marks, 1 where the grid's
+                boundary turns to the left, -1 where it turns to the right and 0 elsewhere, with the sum 4, as
+                pygridgen's `beta`: of more than four turns to the left four are corners, and the others turn within
+                sides, which is reported; or 'auto': the best four for a square of cells, see `choose_corners`. The
+                points are rolled so that the first corner comes first. Indices and marks of copies of the first point
+                are those of that point.
             name: what to call it in messages.
             reorient: whether a clockwise curve is reversed, from its second corner, which is reported: bottom and top
                 stay on their curves, left and right are exchanged. Without it such a curve is refused.
+            islands: closed curves inside, each (n, 2), that a mask is to cover.
 
         Raises:
             GridgenError: naming the outline, the fault, its position and the repair.
@@ -73,7 +79,7 @@ class Outline:
         array, copies = checked_points(points, name)
         automatic, checked = isinstance(corners, str) and corners == "auto", (0, 1, 2, 3)
         if not automatic:
-            array, checked = rolled(array, checked_corners(corners, len(array), name, copies))
+            array, checked = rolled(array, checked_corners(corners, array, name, copies))
         crossing = first_crossing(array)
         if crossing is not None:
             raise GridgenError(f"the outline '{name}' crosses or touches itself: {crossing_text(array, crossing)}")
@@ -87,7 +93,8 @@ class Outline:
         if automatic:
             array, checked = rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
         array.setflags(write=False)
-        for field, value in (("points", array), ("corners", checked), ("name", name)):
+        around = checked_islands(islands, name)
+        for field, value in (("points", array), ("corners", checked), ("name", name), ("islands", around)):
             object.__setattr__(self, field, value)
 
     @classmethod
@@ -98,10 +105,11 @@ class Outline:
         corners: ArrayLike | Literal["auto"] | None = None,
         reorient: bool = True,
     ) -> Outline:
-        """Read an outline from a text file.
+        """Read an outline from a file: a table of points, or another of the formats of `gridgen-sym formats`.
 
-        The file has comment lines (``# name: NAME`` and ``# corners: c0 c1 c2 c3``; others are ignored), perhaps the
-        header ``x,y``, and one line for each point, with a comma, a semicolon, a tab or blanks between x and y.
+        A text file has comment lines (``# name: NAME`` and ``# corners: c0 c1 c2 c3``; others are ignored), perhaps a
+        header with the names of the columns, and one line for each point, with a comma, a semicolon, a tab or blanks
+        between x and y. Holes of polygons become islands.
 
         Args:
             path: the file.
@@ -112,17 +120,17 @@ class Outline:
         Raises:
             GridgenError: if the file is missing or malformed (with the line's number), or its curve is no
                 outline.
+            MissingExtraError: if the package is not installed that reads the format.
         """
-        text = read_bytes(path).decode("utf-8-sig", errors="replace")
-        name, listed, points = parse_outline(text, path)
-        chosen = listed if corners is None else corners
+        found = read_content(path)
+        chosen = found.corners if corners is None else corners
         if chosen is None:
             raise GridgenError(
                 f"cannot read {path}: it has no corners; add a line like '# corners: 0 10 20 30' above its points, or "
                 "let them be chosen with corners='auto' (--corners auto)"
             )
         try:
-            return cls(points, chosen, name or Path(path).stem, reorient=reorient)
+            return cls(found.points, chosen, found.name or Path(path).stem, reorient=reorient, islands=found.islands)
         except GridgenError as error:
             raise GridgenError(f"cannot use {path}: {error}") from error
 
@@ -137,8 +145,8 @@ class Outline:
             f"# corners: {' '.join(map(str, self.corners))}",
             "x,y",
         ]
-        lines = [*head, *(f"{x:.17g},{y:.17g}" for x, y in self.points.tolist()), ""]
-        write_bytes(path, "\n".join(lines).encode())
+        curves = ["\n".join(f"{x:.17g},{y:.17g}" for x, y in curve.tolist()) for curve in (self.points, *self.islands)]
+        write_bytes(path, ("\n".join((*head, "\n# island\n".join(curves))) + "\n").encode())
 
     def choose_corners(
         self,
@@ -164,7 +172,7 @@ class Outline:
         check_sampling(sampling)
         if isinstance(corners, str) and corners == "auto":
             return automatic_choice(self.points, self.name, (ni, nj), sampling)
-        wanted = self.corners if corners is None else checked_corners(corners, len(self.points), self.name)
+        wanted = self.corners if corners is None else checked_corners(corners, self.points, self.name)
         return corner_choice(self.points, self.name, wanted, (ni, nj), sampling, keep=corners is not None)
 
     def sides(
@@ -241,10 +249,12 @@ class Outline:
         return grid_of_sides(sides)
 
     def __eq__(self, other: object) -> bool:
-        """Whether `other` has the same points and corners; names do not matter."""
+        """Whether `other` has the same points, corners and islands; names do not matter."""
         if not isinstance(other, Outline):
             return NotImplemented
-        return self.corners == other.corners and np.array_equal(self.points, other.points)
+        mine, theirs = ((one.points, *one.islands) for one in (self, other))
+        same = self.corners == other.corners and len(mine) == len(theirs)
+        return same and all(map(np.array_equal, mine, theirs))
 
     def __hash__(self) -> int:
         """Agree with `==`."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array, real_array
 from ..errors import GridgenError
+from .corner_marks import are_marks, corners_of_marks, refuse_fractions
 from .corners import Corners
 from .polygon import first_repeated
 
@@ -48,18 +51,19 @@ def _opened(points: Array) -> Array:
     return points
 
 
-def checked_corners(corners: ArrayLike, count: int, name: str, copies: int = 0) -> Corners:
+def checked_corners(corners: ArrayLike, points: Array, name: str, copies: int = 0) -> Corners:
     """Return corners as four different indices of points, in the order of the points from any start.
 
     Args:
         corners: what was given: four indices, or a mark for each point (see `Outline`).
-        count: how many points there are.
+        points: the vertices (N, 2).
         name: of the outline, for messages.
         copies: how many copies of point 0 at the end were left out; indices and marks of these are those of point 0.
     """
-    values = real_array(corners, f"the corners of the outline '{name}'")
-    if values.shape == (count + copies,) and np.isin(values, (-1, 0, 1)).all():
-        values = _marked_corners(values, count, name)
+    values, count = real_array(corners, f"the corners of the outline '{name}'"), len(points)
+    if are_marks(values, count + copies):
+        values = corners_of_marks(values, points, name)
+    refuse_fractions(values, count + copies, name)
     same = np.where((values >= count) & (values < count + copies), 0, values)
     whole = same.shape == (4,) and np.isfinite(same).all() and (same % 1 == 0).all()
     if not whole or same.min() < 0 or same.max() >= count or not (np.diff((same - same[0]) % count) > 0).all():
@@ -76,30 +80,30 @@ def checked_corners(corners: ArrayLike, count: int, name: str, copies: int = 0) 
     return c0, c1, c2, c3
 
 
+def checked_islands(islands: Sequence[ArrayLike], name: str) -> tuple[Array, ...]:
+    """Return read-only copies of islands as closed curves (n, 2) without a copy of their first point at the end.
+
+    Raises:
+        GridgenError: for what is no curve, has fewer than three points, or is not finite.
+    """
+    made = []
+    for k, island in enumerate(islands):
+        curve = _opened(real_array(island, f"island {k} of the outline '{name}'")).copy()
+        if curve.ndim != 2 or curve.shape[1] != 2 or len(curve) < 3 or not (np.abs(curve) <= _LARGEST).all():
+            raise GridgenError(
+                f"island {k} of the outline '{name}' needs finite points of shape (n, 2) with n >= 3, but came with "
+                f"{curve.shape}"
+            )
+        curve.setflags(write=False)
+        made.append(curve)
+    return tuple(made)
+
+
 def _listed(values: Array) -> str:
     """Return numbers as a list, whole ones without a point."""
     shown = [f"{value:.15g}" for value in values.ravel()[:_MOST_LISTED]]
     more = ["..."] if values.size > _MOST_LISTED else []
     return f"[{', '.join(shown + more)}]"
-
-
-def _marked_corners(marks: Array, count: int, name: str) -> Array:
-    """Return the indices of the corners that are marked as pygridgen's `beta` does.
-
-    There every point has a number: 1 where the grid's boundary turns to the left, 0 where it does not turn. The marks
-    of copies of point 0, which follow those of the `count` points, are marks of point 0.
-    """
-    first, copied = marks[0], marks[count:]
-    merged = marks[:count].copy()
-    merged[0] = max(first, copied.max(initial=first))
-    if (marks == -1).any() or merged.sum() != 4:
-        twice = "; the last point is the first one again, so that their marks are one corner"
-        raise GridgenError(
-            f"a grid of the outline '{name}' has four corners, marked by 1, at which it turns to the left, but the "
-            f"marks hold {int((merged == 1).sum())} times 1 and {int((marks == -1).sum())} times -1"
-            f"{twice if first == 1 and (copied == 1).any() else ''}"
-        )
-    return np.flatnonzero(merged).astype(float)
 
 
 def run_backwards(points: Array, corners: Corners) -> tuple[Array, Corners]:

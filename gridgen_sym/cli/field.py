@@ -182,8 +182,8 @@ def _is_formula(text: str) -> bool:
 
 
 def _arrays(data: bytes, smooth: bool, outside: Outside) -> Any:  # noqa: ANN401
+    from ..archives import read_arrays
     from ..fields import raster_field
-    from ..io.archives import read_arrays
 
     arrays = read_arrays(data, (("x", "y", "values"), ("values",)), _ARRAYS)
     if "x" not in arrays:

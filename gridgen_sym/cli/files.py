@@ -41,12 +41,13 @@ def convert(source: str, target: str, layout: bool, read_form: str | None, write
 
 @click.command()
 def formats() -> None:
-    """List the formats of grid files."""
+    """List the formats of grid files, and of the files that outlines are read from."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
     from ..io import known_formats
+    from ..outlines import outline_formats
 
     table = Table(
         "format", "suffixes", "read", "written", "blocks", "names", "needs", box=box.SIMPLE_HEAD, pad_edge=False
@@ -69,3 +70,8 @@ def formats() -> None:
     console.print(table)
     if forms.row_count:
         console.print(forms)
+    outlines = Table("outlines", "suffixes", "read", "needs", box=box.SIMPLE_HEAD, pad_edge=False)
+    for name, source in outline_formats().items():
+        needs = f"{source.package} (extra geo)" if source.package else ""
+        outlines.add_row(f"{name}: {source.name}", " ".join(source.suffixes), source.description, needs)
+    console.print(outlines)

@@ -78,6 +78,7 @@ def start_grid(
     """
     from ..boundary import domain, domain_names
     from ..io import holds_grid, known_suffixes
+    from ..outlines import is_outline, outline_suffixes
     from ..topology.shapes import layout_names
 
     ni, nj = (cells + 1 for cells in size or _DEFAULT_CELLS)
@@ -91,12 +92,14 @@ def start_grid(
         return layout_start(source, refine)
     if refine is not None:
         raise GridgenError(f"--refine belongs to a layout in TOML or a mesh, which {source} is not")
-    is_file = suffix in known_suffixes() or Path(source).is_file()
-    if is_file and not layout and not holds_grid(source):
+    is_file = suffix in known_suffixes() or suffix in outline_suffixes() or Path(source).is_file()
+    if is_file and not layout and (not holds_grid(source) or is_outline(source)):
         return _outline_grid(source, (ni, nj), corners, sampling, sides, reorient)
     for flag, value in (("--corners", corners), ("--sampling", sampling), ("--side", sides or None)):
         if value is not None:
-            raise GridgenError(f"{flag} belongs to an outline (a text file of points x,y), which {source} is not")
+            raise GridgenError(
+                f"{flag} belongs to an outline (a file of points, a map or a drawing), which {source} is not"
+            )
     if is_file:
         return _grid_file(source, size, reorient, layout)
     if layout:

@@ -1,4 +1,4 @@
-"""What all formats check: that a file asks for no more memory than a grid needs, and that its points lie in a plane."""
+"""What all formats check: that the points of a file lie in a plane."""
 
 from __future__ import annotations
 
@@ -7,29 +7,6 @@ import numpy as np
 from ..arrays import Array
 from ..errors import GridgenError
 from ..grids.grid import Grid
-
-#: Data that need at most so many bytes are unpacked, whatever they were packed into.
-_HARMLESS = 1 << 28
-#: Coordinates of nodes that differ do not become shorter than by this factor.
-_MOST_PACKED = 200
-
-
-def check_packing(packed: int, unpacked: int, what: str) -> None:
-    """Refuse what would fill the memory from a small file.
-
-    Args:
-        packed: bytes in the file.
-        unpacked: bytes that these announce.
-        what: names the data.
-
-    Raises:
-        GridgenError: if no coordinates of a grid can be packed like this.
-    """
-    if unpacked > _HARMLESS and unpacked > _MOST_PACKED * packed:
-        raise GridgenError(
-            f"{what} would need {unpacked} bytes of memory, but has {packed} in the file: no grid can be packed so "
-            "tightly. If it is one, write it without compression"
-        )
 
 
 def plane_grid(x: Array, y: Array, z: Array | None = None) -> Grid:

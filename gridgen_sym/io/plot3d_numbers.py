@@ -9,10 +9,10 @@ from itertools import islice, repeat
 import numpy as np
 from numpy.typing import NDArray
 
+from ..archives import check_packing
 from ..arrays import Array
 from ..errors import GridgenError, quoted, shortened
 from ..parsing import number_in
-from .checks import check_packing
 
 EXPECTED = (
     "expected ASCII numbers: [count of blocks,] ni, nj, [1,] of each block, then for each all x, all y [and all z] "

@@ -12,10 +12,10 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from ..archives import check_packing
 from ..arrays import Array
 from ..errors import GridgenError, quoted, shortened
 from ..parsing import whole_number_in
-from .checks import check_packing
 
 DAMAGED = "the file may be cut short or damaged: write it again"
 _TYPES = {"Float32": "f4", "Float64": "f8"}

@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..atomic import read_bytes
 from ..boundary.airfoil_section import AirfoilSection
 from ..boundary.curve_nodes import Nodes, nodes_on, nodes_on_polyline, straight
-from ..boundary.outline_file import parse_outline
 from ..errors import GridgenError, quoted
 from ..fields.formula import Formula
+from ..outlines import read_content
 from ..topology.curve_names import Curve
 from .values import check_keys, pair
 
@@ -188,7 +187,7 @@ def _places(entry: _Entry) -> tuple[tuple[str, str], Array]:
     """Return the ends and the places (n, 2) of a polyline or a spline: given one by one, or by a file of points."""
     if isinstance(entry.given, str):
         path = entry.folder / entry.given
-        ends, places = entry.ends(), np.array(parse_outline(read_bytes(path).decode("utf-8-sig"), path)[2])
+        ends, places = entry.ends(), read_content(path).points
     elif isinstance(entry.given, list) and len(entry.given) >= 2 and "ends" not in entry.table:
         first, last = entry.given[0], entry.given[-1]
         if not isinstance(first, str) or not isinstance(last, str):

@@ -214,9 +214,9 @@ def test_reading_and_writing(tmp_path):
         ("0 1 2 3", "0 1 2", "line 2 has the corners '0 1 2'"),
         ("0 1 2 3", "0 1 2 b", "line 2 has the corners"),
         ("0 1 2 3", "0 2 1 3", "four different indices"),
-        ("x,y", "y,x", "line 4 is 'y,x'; expected the header"),
-        ("x,y", "lon,lat", "line 4 is 'lon,lat'; expected the header 'x,y'"),
-        ("x,y", "x,y,z", "line 4 is 'x,y,z'; expected the header 'x,y'"),
+        ("x,y", "x,x", "line 4 is 'x,x'; expected the header 'x,y', or 'lon,lat', among other names once each"),
+        ("x,y", "x,lat", "line 4 is 'x,lat'; expected the header 'x,y'"),
+        ("x,y", "x,y,z", "line 5 is '0,0'; expected three numbers with a comma between"),
         ("x,y", "NACA 0012", "put # before any other"),
         ("1,1", "1;1", "line 7 is '1;1'"),
         ("1,1", "1,1,1", "line 7 is"),
@@ -275,7 +275,7 @@ def test_missing_files(tmp_path):
 @given(st.integers(0, len(TEXT) - 1))
 def test_a_truncated_file_never_crashes(cut):
     path = Path("truncated.csv")
-    from gridgen_sym.boundary import outline as module
+    from gridgen_sym.outlines import registry as module
 
     original = module.read_bytes
     module.read_bytes = lambda _: TEXT[:cut].encode() or b"?"

@@ -1,4 +1,4 @@
-"""The table of the formats of grid files in `docs/reference/files.md`, written from the registry of formats.
+"""The tables of the formats of grids and of outlines in `docs/reference/files.md`, written from their registries.
 
 `python docs/_ext/derived_pages/files_page.py` writes it anew; building the site does so, too.
 """
@@ -10,9 +10,11 @@ from pathlib import Path
 from gridgen_sym.documentation.functional_page import write_if_changed
 from gridgen_sym.io import known_formats
 from gridgen_sym.io.format import Format
+from gridgen_sym.outlines import outline_formats
 
 #: What stands around the table.
 _BEGIN, _END = "<!-- The table of formats: written by docs/_ext/derived_pages/files_page.py. -->", "<!-- End. -->"
+_BEGIN_OUTLINES = "<!-- The table of outlines: written by docs/_ext/derived_pages/files_page.py. -->"
 _HEAD = ("suffix", "format", "written", "read", "blocks", "names", "needs", "shown by")
 
 
@@ -43,17 +45,30 @@ def _row(form: Format) -> tuple[str, ...]:
     )
 
 
+def table_of_outlines() -> str:
+    """Return the table of the files of outlines in Markdown."""
+    rows: list[tuple[str, ...]] = [("suffix", "format", "read", "needs", "shown by"), ("---",) * 5]
+    for form in outline_formats().values():
+        needs = f"{form.package} (extra `geo`)" if form.package else ""
+        rows.append(
+            (" ".join(f"`{one}`" for one in form.suffixes), form.name, form.description, needs, f"`{form.test}`")
+        )
+    return _lines(rows)
+
+
 def _lines(rows: list[tuple[str, ...]]) -> str:
     return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |\n" for row in rows)
 
 
 def with_table(page: str) -> str:
-    """Return the text of the page with the present table."""
-    before, begin, rest = page.partition(_BEGIN)
-    _, end, after = rest.partition(_END)
-    if not (begin and end):
-        raise ValueError(f"the page of files has no lines '{_BEGIN}' and '{_END}'")
-    return f"{before}{begin}\n\n{table_of_formats()}\n{end}{after}"
+    """Return the text of the page with the present tables."""
+    for mark, table in ((_BEGIN, table_of_formats()), (_BEGIN_OUTLINES, table_of_outlines())):
+        before, begin, rest = page.partition(mark)
+        _, end, after = rest.partition(_END)
+        if not (begin and end):
+            raise ValueError(f"the page of files has no lines '{mark}' and '{_END}'")
+        page = f"{before}{begin}\n\n{table}\n{end}{after}"
+    return page
 
 
 def write_files_page(folder: Path) -> None:

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...archives import check_packing
 from ...arrays import Array
 from ...errors import GridgenError, MissingExtraError, shortened
 from ...grids.grid import Grid
-from ..checks import check_packing, plane_grid
+from ..checks import plane_grid
 from ..format import Format
 
 _VERSION = np.array([3.1], dtype=np.float32)  # The oldest one with these nodes: older libraries read it, too.

@@ -6,8 +6,8 @@ import io
 
 import numpy as np
 
+from ...archives import read_arrays
 from ...grids.grid import Grid
-from ..archives import read_arrays
 from ..format import Format
 
 _EXPECTED = "expected the array 'xy' (ni, nj, 2), or 'x' and 'y' (ni, nj)"

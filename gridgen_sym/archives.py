@@ -1,4 +1,4 @@
-"""Arrays of NumPy archives (.npz). Nothing is unpacked before its size is known."""
+"""Packed data, and arrays of NumPy archives (.npz). Nothing is unpacked before its size is known."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ from typing import IO
 
 import numpy as np
 
-from ..arrays import Array
-from ..errors import GridgenError, shortened
-from .checks import check_packing
+from .arrays import Array
+from .errors import GridgenError, shortened
 
+#: Data that need at most so many bytes are unpacked, whatever they were packed into.
+_HARMLESS = 1 << 28
+#: Coordinates of nodes that differ do not become shorter than by this factor.
+_MOST_PACKED = 200
 #: NumPy writes the header of an array into so many bytes at most; a damaged one may announce any number.
 _HEADER = 1 << 14
 #: What a damaged archive raises in the libraries that read it.
@@ -20,6 +23,24 @@ _FAULTS = (
     ValueError, TypeError, OSError, EOFError, KeyError, MemoryError, NotImplementedError, RuntimeError, SyntaxError,
     zlib.error, zipfile.BadZipFile,
 )  # fmt: skip
+
+
+def check_packing(packed: int, unpacked: int, what: str) -> None:
+    """Refuse what would fill the memory from a small file.
+
+    Args:
+        packed: bytes in the file.
+        unpacked: bytes that these announce.
+        what: names the data.
+
+    Raises:
+        GridgenError: if no coordinates of a grid can be packed like this.
+    """
+    if unpacked > _HARMLESS and unpacked > _MOST_PACKED * packed:
+        raise GridgenError(
+            f"{what} would need {unpacked} bytes of memory, but has {packed} in the file: no grid can be packed so "
+            "tightly. If it is one, write it without compression"
+        )
 
 
 def read_arrays(data: bytes, forms: tuple[tuple[str, ...], ...], expected: str) -> dict[str, Array]:
