@@ -33,6 +33,8 @@ DERIVATIONS = (
 
 #: Other people's readers of grid files; only the tests use them.
 INDEPENDENT_READERS = ("gmsh", "vtk", "pyCGNS")
+#: Drives Chromium (Debian's packages chromium and chromium-driver), where there is one.
+BROWSER = "selenium>=4.20"
 
 
 def install(session: nox.Session, *arguments: str) -> None:
@@ -80,7 +82,7 @@ def newest(session: nox.Session) -> None:
 @nox.session
 def extras(session: nox.Session) -> None:
     """The tests that need more packages: those of the other extras, and programs that read what we write."""
-    install(session, "-c", ".ci/extras.txt", "-e", ".[test,geo,ocean,jax,torch]", *INDEPENDENT_READERS)
+    install(session, "-c", ".ci/extras.txt", "-e", ".[test,geo,ocean,jax,torch]", *INDEPENDENT_READERS, BROWSER)
     session.run("pytest", "-n", "auto", "-m", "extras", *session.posargs)
 
 

@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import GridgenError as GridgenError
 from .errors import MissingExtraError as MissingExtraError
+from .grids.grid import show_grids_with
 from .io import read as read
 from .io import write as write
 from .version import __version__ as __version__
@@ -81,6 +82,7 @@ if TYPE_CHECKING:
     from .plotting import plot_certificates as plot_certificates
     from .plotting import plot_grid as plot_grid
     from .plotting import plot_grids as plot_grids
+    from .plotting import view_grid as view_grid
     from .solvers import ContinuationResult as ContinuationResult
     from .solvers import LayoutResult as LayoutResult
     from .solvers import Result as Result
@@ -115,7 +117,7 @@ _PACKAGES = {
     "functionals": "Functional define functional functionals",
     "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians transfinite",
     "layouts": "read_layout",
-    "plotting": "plot_certificates plot_grid plot_grids",
+    "plotting": "plot_certificates plot_grid plot_grids view_grid",
     "topology": "Connection LayoutQuality MultiBlock quality",
     "topology.shapes": "layout layout_names",
     "solvers": (
@@ -141,6 +143,16 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401
 def __dir__() -> list[str]:
     """Return all public names, loaded or not."""
     return sorted({*globals(), *__all__})
+
+
+def _html_of(made: Any) -> str:  # noqa: ANN401
+    """Return what a notebook shows of a grid; what writes it is loaded with the first one."""
+    from .plotting.notebook import html_of
+
+    return html_of(made)
+
+
+show_grids_with(_html_of)
 
 
 def _function(name: str) -> property:

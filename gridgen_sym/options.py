@@ -97,6 +97,11 @@ SAMPLES = _table(
     Option("outside", "Refuse nodes outside the samples", default="error", choices=("error", "nearest")),
 )
 
+#: Of `plot_grid` and `view_grid`.
+PICTURES = _table(
+    Option("under", "A field that is drawn with the grid"),
+)
+
 #: Of `Outline` and its methods.
 OUTLINE = _table(
     Option("corners", "Corners of the outline"),

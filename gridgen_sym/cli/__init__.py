@@ -18,6 +18,7 @@ from .generate import generate
 from .grids import domains, grid, quality
 from .layouts import layouts
 from .system import info, paper
+from .view import view
 
 
 @click.group(cls=Program, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -32,7 +33,7 @@ def main() -> None:
     """  # noqa: D301 - click reads the backspace: keep the lines
 
 
-_about_grids = grid, airfoil, adapt, quality, convert, domains, layouts, formats
+_about_grids = grid, airfoil, adapt, quality, view, convert, domains, layouts, formats
 _about_formulas = functionals, derive, docs, check, verify, generate, info, paper
 for _command in (*_about_grids, *_about_formulas):
     main.add_command(_command)

@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from ..errors import GridgenError, MissingExtraError
+from ..options import PICTURES
+from .field import field_of
+from .options import option
 
 if TYPE_CHECKING:
+    from ..fields.scalar import ScalarField
     from ..grids import Grid
     from ..solvers import LayoutResult, Result
     from ..topology import MultiBlock
 
 _PICTURES = (".png", ".svg", ".pdf")
+#: Adds `--under` to a command.
+under_option = option(
+    PICTURES["under"], more=": a formula in x and y, or a .npz or .csv file as for 'adapt --to'", metavar="FIELD"
+)
+
+
+def under_of(text: str | None) -> ScalarField | None:
+    """Return the field that `--under` gives, with the text as its name."""
+    from ..fields import as_scalar
+
+    return None if text is None else replace(as_scalar(field_of(text, smooth=False), "the field"), name=text)
 
 
 def check_outputs(output: str | None, plot: str | None) -> None:

@@ -77,6 +77,27 @@ class ScalarField:
             return at_nodes(self.plane(x, y), x.shape)
         return self._checked(self._computed(self.evaluator.values, x, y), x, y, where)
 
+    def known(self, x: Array, y: Array) -> Array:
+        """Return the values at points, of their shape, for pictures: NaN outside the samples and where none is finite.
+
+        Args:
+            x: the points; of a field per node, the nodes of its grid.
+            y: the same.
+
+        Raises:
+            GridgenError: for values of another shape, or that cannot be computed.
+        """
+        if self.evaluator is None:
+            return self.values(x, y)
+        with np.errstate(all="ignore"):
+            found = real_array(self._computed(self.evaluator.values, x, y), self.name, copy=False)
+        if found.shape not in ((), x.shape):
+            raise GridgenError(f"{self.name} must have one value per point, shape {x.shape}; came {found.shape}")
+        has = np.isfinite(found)
+        if isinstance(self.evaluator, SampledField):
+            has = has & self.evaluator.covers(x, y)
+        return np.where(has, found, np.nan)
+
     def plane(self, x: Array, y: Array) -> Array:
         """Return the values where they are given: at the points, or per node, cell or corner of the grid of the points.
 

@@ -126,6 +126,10 @@ class Grid:
         ni, nj = self.shape
         return f"Grid({ni} x {nj} nodes, x in [{x0:g}, {x1:g}], y in [{y0:g}, {y1:g}])"
 
+    def _repr_html_(self) -> str:
+        """Show the grid in a notebook: to zoom, and to point at cells."""
+        return grid_to_html(self)
+
     def __reduce__(self) -> tuple[Callable[..., Grid], tuple[Array, Array]]:
         """Pickle through the constructor, which restores the read-only flag that NumPy's pickling drops."""
         return Grid.from_planes, (self.planes[0], self.planes[1])
@@ -147,6 +151,20 @@ def _no_writer(_: object, path: str | PathLike[str]) -> None:
 
 
 _writer: Callable[[Any, str | PathLike[str]], None] = _no_writer
+
+
+def grid_to_html(made: object) -> str:
+    """Return what a notebook shows of a grid of one or several blocks."""
+    return _html_of(made)
+
+
+def show_grids_with(html_of: Callable[[Any], str]) -> None:
+    """Set what notebooks show of grids: `plotting` knows pages and grids, and grids know no pages."""
+    global _html_of
+    _html_of = html_of
+
+
+_html_of: Callable[[Any], str] = repr
 
 
 def check_grid(grid: object) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,8 +41,7 @@ def draw_blocks(ax: Axes, layout: MultiBlock, width: float) -> None:
     ]
     ax.add_collection(LineCollection(edges, colors=_EDGE, linewidths=width + 0.9, zorder=3, capstyle="round"))
     for number, (name, parts) in enumerate(layout.boundaries.items()):
-        color = _COLORS[number % len(_COLORS)]
-        style = _STYLES[number // len(_COLORS) % len(_STYLES)]
+        color, style = boundary_style(number)
         for count, part in enumerate(parts):
             label = name if count == 0 else None
             ax.plot(
@@ -55,14 +54,24 @@ def draw_blocks(ax: Axes, layout: MultiBlock, width: float) -> None:
             )
 
 
+def boundary_style(number: int) -> tuple[str, Any]:
+    """Return the color of a named boundary, and its style as Matplotlib has it."""
+    return _COLORS[number % len(_COLORS)], _STYLES[number // len(_COLORS) % len(_STYLES)]
+
+
+def has_names(layout: MultiBlock) -> bool:
+    """Return whether the names of blocks distinguish anything."""
+    return len(layout) > 1 or layout.names != ("0",)
+
+
 def write_names(ax: Axes, layout: MultiBlock) -> None:
     """Write the names of blocks at their middles, over everything else and beside each other."""
-    if len(layout) == 1 and layout.names == ("0",):
+    if not has_names(layout):
         return
     box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "#c9d0d6", "linewidth": 0.6}
     texts = []
     for name, grid in zip(layout.names, layout.blocks, strict=True):
-        x, y = grid.planes[:, *_middle(grid)]
+        x, y = grid.planes[:, *middle_node(grid)]
         texts.append(ax.text(x, y, name, ha="center", va="center", color=_EDGE, bbox=box, zorder=10, clip_on=True))
     ax.figure.figure.draw_without_rendering()
     widths = [float(np.ptp(ax.transData.transform(grid.planes.reshape(2, -1).T)[:, 0])) for grid in layout.blocks]
@@ -74,7 +83,7 @@ def write_names(ax: Axes, layout: MultiBlock) -> None:
             break
 
 
-def _middle(grid: Grid) -> tuple[int, int]:
+def middle_node(grid: Grid) -> tuple[int, int]:
     """Return the node whose two lines halve the area of a block: its middle also where lines are clustered."""
     areas = np.abs(corner_jacobians(grid.x, grid.y)).sum(axis=0)
     along = (np.cumsum(areas.sum(axis=1 - axis)) for axis in range(2))

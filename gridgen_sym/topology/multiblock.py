@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Array, Mask
 from ..errors import GridgenError, quoted
 from ..grids import Grid
-from ..grids.grid import check_grid, write_to_file
+from ..grids.grid import check_grid, grid_to_html, write_to_file
 from .coincidence import coinciding_parts
 from .connection import IDENTITY, Connection, PartLike, SidePart, side_part
 from .copies import Bond, Copies
@@ -121,6 +121,10 @@ class MultiBlock:
             f"{name}: {grid.shape[0]} x {grid.shape[1]}" for name, grid in zip(self.names, self.blocks, strict=True)
         )
         return f"MultiBlock({sizes}; {len(self.bonds)} connection{'' if len(self.bonds) == 1 else 's'})"
+
+    def _repr_html_(self) -> str:
+        """Show the layout in a notebook: to zoom, and to point at cells."""
+        return grid_to_html(self)
 
     @property
     def node_count(self) -> int:

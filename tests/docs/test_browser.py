@@ -8,21 +8,15 @@ from __future__ import annotations
 
 import functools
 import http.server
-import json
-import shutil
 import threading
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urldefrag, urljoin
 
 import pytest
+from support_browser import DESKTOP, PHONE, complaints, needs_browser, start_browser
 
 SITE = Path(__file__).resolve().parents[2] / "docs" / "_build" / "html"
-FLAGS = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-)
-CHROMIUM, DRIVER = (shutil.which(name) for name in ("chromium", "chromedriver"))
 #: A page of every kind.
 PAGES = (
     "index.html",
@@ -42,7 +36,6 @@ PAGES = (
     "reference/command_line.html",
     "benchmarks.html",
 )
-DESKTOP, PHONE = (1280, 900), (390, 844)
 READY = """
 const done = arguments[0], math = [...document.querySelectorAll('.math')];
 const wait = () => math.length === 0 || (window.MathJax && MathJax.startup && MathJax.startup.promise)
@@ -63,7 +56,6 @@ return {
 pytestmark = [
     pytest.mark.skipif(not (SITE / "index.html").exists(), reason=f"no site in {SITE}: build it first (README.md)"),
 ]
-needs_browser = pytest.mark.skipif(CHROMIUM is None or DRIVER is None, reason="needs chromium and chromedriver")
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
@@ -83,16 +75,7 @@ def address():
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
-    selenium = pytest.importorskip("selenium.webdriver")
-    options = selenium.ChromeOptions()
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.binary_location = CHROMIUM
-    options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
-    driver = selenium.Chrome(options=options, service=selenium.ChromeService(DRIVER))
-    driver.set_script_timeout(30)
-    # The page of a new tab asks other hosts: leave it before requests are watched.
-    driver.get("about:blank")
+    driver = start_browser(tmp_path_factory.mktemp("profile"))
     yield driver
     driver.quit()
 
@@ -104,23 +87,6 @@ def show(browser, url, size):
     browser.get(url)
     assert browser.execute_async_script(READY)
     return browser.execute_script(STATE)
-
-
-def complaints(browser, address):
-    """Return console errors, failed requests, and requests to any other host since the last call."""
-    found = [entry["message"] for entry in browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
-    for entry in browser.get_log("performance"):
-        message = json.loads(entry["message"])["message"]
-        parameters = message["params"]
-        if message["method"] == "Network.loadingFailed" and not parameters.get("canceled"):
-            found.append(f"failed: {parameters}")
-        if message["method"] == "Network.responseReceived" and parameters["response"]["status"] >= 400:
-            found.append(f"{parameters['response']['status']}: {parameters['response']['url']}")
-        if message["method"] == "Network.requestWillBeSent":
-            url = parameters["request"]["url"]
-            if not url.startswith((address, "data:", "blob:", "about:", "chrome")):
-                found.append(f"outside: {url}")
-    return found
 
 
 @needs_browser

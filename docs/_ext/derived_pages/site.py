@@ -8,8 +8,10 @@ from typing import Any
 from gridgen_sym.codegen.render import render_page
 from gridgen_sym.documentation.functional_page import write_functional_page, write_if_changed
 from gridgen_sym.functionals import functional, functionals, is_builtin, is_literature
+from gridgen_sym.plotting import view_grid
 from gridgen_sym.symbolic import classify
 from gridgen_sym.symbolic.report.latex import latex
+from gridgen_sym.topology.shapes import layout
 
 from .files_page import write_files_page
 from .literature_page import write_literature_page
@@ -28,6 +30,7 @@ def setup(app: Any) -> dict[str, bool]:  # noqa: ANN401 - Sphinx may be missing 
     """Have the pages written before Sphinx looks for its sources."""
     app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir)))
     app.connect("source-read", _stay_on_the_site)
+    app.connect("build-finished", _write_views)
     app.connect("autodoc-process-docstring", _keep_bars)
     return {"parallel_read_safe": True}
 
@@ -36,6 +39,14 @@ def _stay_on_the_site(app: Any, page: str, source: list[str]) -> None:  # noqa: 
     """Lead links to files of the repository to the pages that show them."""
     for file, shown in _PAGES_OF_FILES.items():
         source[0] = source[0].replace(f"]({file})", f"]({shown})")
+
+
+def _write_views(app: Any, failed: Exception | None) -> None:  # noqa: ANN401
+    """Write the page of a grid that the tutorial on looking at grids shows."""
+    if failed is None and app.builder.format == "html":
+        folder = Path(app.outdir) / "view"
+        folder.mkdir(exist_ok=True)
+        view_grid(layout("pipe", across=16), folder / "pipe.html", title="A pipe of five blocks")
 
 
 def _keep_bars(app: Any, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:  # noqa: ANN401

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from .status import Status, StopReason
+
+if TYPE_CHECKING:
+    from ...grids import Grid
+    from ...topology import MultiBlock
 
 
 class Ended:
@@ -26,6 +32,7 @@ class Iterated(Ended):
     """A result of iterations that converge or not."""
 
     __slots__ = ()
+    grid: Grid | MultiBlock
     converged: bool
     iterations: int
     message: str
@@ -34,3 +41,9 @@ class Iterated(Ended):
         """Report in one line how it ended."""
         state = "converged" if self.converged else "NOT converged"
         return f"{state} after {self.iterations} iterations: {self.message}"
+
+    def _repr_html_(self) -> str:
+        """Show in a notebook how it ended, and the grid."""
+        from ...plotting.notebook import html_of
+
+        return html_of(self.grid, str(self))
