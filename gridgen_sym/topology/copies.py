@@ -63,15 +63,3 @@ class Copies:
     def node(self) -> Indices:
         """The number of the node that each entry is a copy of."""
         return np.repeat(np.arange(len(self.starts)), self.counts)
-
-    def coarsened(self, halved: Sequence[tuple[bool, bool]]) -> Copies:
-        """Return the copies on grids with every second node, of all nodes that are kept.
-
-        Args:
-            halved: for each block whether its rows and its columns are halved.
-        """
-        rows, columns = (np.array([1 + flags[axis] for flags in halved], dtype=np.intp)[self.block] for axis in (0, 1))
-        stays = (self.i % rows == 0) & (self.j % columns == 0)
-        starts = np.flatnonzero(np.diff(self.node[stays], prepend=-1))
-        i, j = (self.i // rows)[stays], (self.j // columns)[stays]
-        return Copies(starts, self.block[stays], i, j, self.turn[:, stays])

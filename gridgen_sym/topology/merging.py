@@ -65,13 +65,19 @@ class _Place:
             self.origin[1] + a * self.xi[1] + b * self.eta[1],
         )
 
-    def nodes(self, shape: tuple[int, int]) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-        """Return those of all nodes of the block, (ni, nj) each."""
-        a, b = np.arange(shape[0])[:, None], np.arange(shape[1])
-        return (
-            self.origin[0] + a * self.xi[0] + b * self.eta[0],
-            self.origin[1] + a * self.xi[1] + b * self.eta[1],
-        )
+    def view(self, merged: Array, shape: tuple[int, int]) -> Array:
+        """Return the nodes of the block, (2, ni, nj), in the memory of the planes of its merged block."""
+        (i, j), turned = self.origin, self.xi[0] == 0
+        along_i, along_j = (self.eta[0], self.xi[1]) if turned else (self.xi[0], self.eta[1])
+        counts = shape[::-1] if turned else shape
+        view = merged[:, _from(i, along_i, counts[0]), _from(j, along_j, counts[1])]
+        return view.transpose(0, 2, 1) if turned else view
+
+
+def _from(first: int, step: int, count: int) -> slice:
+    """Return the slice of `count` indices from the first one, by steps of 1 or -1."""
+    end = first + step * count
+    return slice(first, end if end >= 0 else None, step)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,15 +98,12 @@ class Merged:
         """Return the merged layout with other coordinates: (2, ni, nj) of each of the blocks before."""
         merged = [np.array(grid.planes) for grid in self.layout.blocks]
         for place, shape, own in zip(self.places, self.shapes, planes, strict=True):
-            merged[place.block][:, *place.nodes(shape)] = own
+            place.view(merged[place.block], shape)[...] = own
         return self.layout.moved(merged)
 
     def split(self, planes: Sequence[Array]) -> list[Array]:
         """Return the coordinates of the blocks before, from those of the merged ones."""
-        return [
-            np.ascontiguousarray(planes[place.block][:, *place.nodes(shape)])
-            for place, shape in zip(self.places, self.shapes, strict=True)
-        ]
+        return [place.view(planes[place.block], shape) for place, shape in zip(self.places, self.shapes, strict=True)]
 
 
 def merge(layout: MultiBlock) -> Merged:
@@ -108,13 +111,10 @@ def merge(layout: MultiBlock) -> Merged:
     shapes = tuple(grid.shape for grid in layout.blocks)
     clusters, inside = _clusters(layout, shapes)
     places = _places(clusters, shapes)
-    grids = []
-    for number, cluster in enumerate(clusters):
-        planes = np.empty((2, cluster.cells.shape[0] + 1, cluster.cells.shape[1] + 1))
-        for place, grid in zip(places, layout.blocks, strict=True):
-            if place.block == number:
-                planes[:, *place.nodes(grid.shape)] = grid.planes
-        grids.append(Grid.from_planes(*planes))
+    merged = [np.empty((2, cluster.cells.shape[0] + 1, cluster.cells.shape[1] + 1)) for cluster in clusters]
+    for place, grid in zip(places, layout.blocks, strict=True):
+        place.view(merged[place.block], grid.shape)[...] = grid.planes
+    grids = [Grid.from_planes(*planes) for planes in merged]
     bonds = []
     for bond in layout.bonds:
         if (bond.one.block, bond.one.side) not in inside:
@@ -133,6 +133,7 @@ def _clusters(layout: MultiBlock, shapes: Sequence[tuple[int, int]]) -> tuple[li
         for block, (ni, nj) in enumerate(shapes)
     }
     partners, home = _whole_sides(layout, shapes), {block: block for block in clusters}
+    members = {block: [block] for block in clusters}
     inside: set[Side] = set()
     waiting = list(clusters)
     while waiting:
@@ -140,16 +141,18 @@ def _clusters(layout: MultiBlock, shapes: Sequence[tuple[int, int]]) -> tuple[li
         if number not in clusters:
             continue
         for side in range(4):
-            facing = [partners.get(one) for one in clusters[number].sides[side]]
-            if None in facing or home[facing[0][0]] == number:  # type: ignore[index]
+            own = clusters[number].sides[side]
+            facing = partners.get(own[0])
+            if facing is None or home[facing[0]] == number:
                 continue
-            other = home[facing[0][0]]  # type: ignore[index]
-            at = next(k for k in range(4) if facing[0] in clusters[other].sides[k])
-            if clusters[other].sides[at] != facing[::-1]:
+            other = home[facing[0]]
+            at = next((k for k in range(4) if clusters[other].sides[k][-1] == facing), None)
+            if at is None or [partners.get(one) for one in own] != clusters[other].sides[at][::-1]:
                 continue
             inside |= {*clusters[number].sides[side], *clusters[other].sides[at]}
             found = clusters.pop(other).turned((side + 2 - at) % 4)
-            home |= {block: number for block, now in home.items() if now == other}
+            home |= dict.fromkeys(members[other], number)
+            members[number] += members.pop(other)
             clusters[number] = clusters[number].joined(side, found)
             waiting.append(number)
             break
@@ -161,8 +164,9 @@ def _whole_sides(layout: MultiBlock, shapes: Sequence[tuple[int, int]]) -> dict[
     found = {}
     for bond in layout.bonds:
         parts = bond.one, bond.other
-        whole = all(part.first == 0 and part.last == shapes[part.block][part.axis] - 1 for part in parts)
-        if whole and bond.motion == IDENTITY and bond.one.block != bond.other.block:
+        if bond.one.block == bond.other.block or bond.motion != IDENTITY:
+            continue
+        if all(part.first == 0 and part.last == shapes[part.block][part.axis] - 1 for part in parts):
             one, other = ((part.block, part.side) for part in parts)
             found[one], found[other] = other, one
     return found

@@ -16,8 +16,8 @@ from ..grids.grid import check_grid, grid_to_html, write_to_file
 from .coincidence import coinciding_parts
 from .connection import IDENTITY, Connection, PartLike, SidePart, side_part
 from .copies import Bond, Copies
-from .directions import halved_bonds
 from .identify import identify
+from .lines import Coarsening
 
 #: What a user may say of connections.
 Connections = Literal["auto"] | Sequence[Connection | Literal["auto"]]
@@ -140,21 +140,14 @@ class MultiBlock:
         """Return the same layout with other coordinates, (2, ni, nj) for each block, whose copies are equal."""
         return self._with(blocks=tuple(Grid.from_planes(*plane) for plane in planes))
 
-    def coarsened(self, halved: Sequence[tuple[bool, bool]]) -> MultiBlock:
-        """Return the layout with every second node, whose named boundaries are left out.
-
-        Args:
-            halved: for each block whether its rows and its columns are halved, as `halvable_groups` allows.
-        """
-        kept = [(slice(None, None, 1 + rows), slice(None, None, 1 + columns)) for rows, columns in halved]
+    def coarsened(self, coarsening: Coarsening) -> MultiBlock:
+        """Return the layout with fewer nodes, whose named boundaries are left out."""
+        kept = [np.ix_(*of_block) for of_block in coarsening.kept]
         return self._with(
-            blocks=tuple(
-                Grid.from_planes(*grid.planes[:, rows, columns])
-                for grid, (rows, columns) in zip(self.blocks, kept, strict=True)
-            ),
-            bonds=tuple(halved_bonds(self.bonds, halved)),
+            blocks=tuple(Grid.from_planes(grid.x[at], grid.y[at]) for grid, at in zip(self.blocks, kept, strict=True)),
+            bonds=tuple(coarsening.bonds(self.bonds)),
             boundaries={},
-            copies=self.copies.coarsened(halved),
+            copies=coarsening.copies(self.copies),
             outer=tuple(np.ascontiguousarray(mask[at]) for mask, at in zip(self.outer, kept, strict=True)),
         )
 

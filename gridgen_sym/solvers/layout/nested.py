@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 
-import numpy as np
-
 from ...arrays import Array
 from ...errors import UnusableValueError
 from ...functionals.definition import Functional
 from ...topology import MultiBlock
-from ...topology.directions import direction_groups, halvable_groups
-from ..multilevel.prolongation import resample
+from ...topology.directions import direction_groups
+from ...topology.lines import Coarsening, Lines
+from ..multilevel.prolongation import interpolate
 from ..newton.minimize import minimize
 from ..run.progress import Progress
 from .problem import LayoutProblem
 from .untangle import untangle_blocks
 
-#: Blocks keep so many cells along each direction; a group of directions with no more cells in any is not halved.
+#: Blocks keep so many cells along each direction; a group of directions with no more cells in any is not coarsened.
 _LEAST, _MOST = 2, 4
 #: Layouts with fewer nodes are solved without coarser ones.
 _FEW = 600
@@ -42,10 +41,10 @@ class NestedLayouts:
     def start(self, layout: MultiBlock, problem: LayoutProblem) -> Array:
         """Return a start for a layout: of what the solution on a coarser layout gives the best, or its own nodes."""
         own = problem.exchange.join([grid.planes for grid in layout.blocks])
-        halved = _halved(layout)
-        if halved is None:
+        coarsening = _coarsening(layout)
+        if coarsening is None:
             return own
-        coarse = layout.coarsened(halved)
+        coarse, places = layout.coarsened(coarsening), coarsening.places
         with suppress(UnusableValueError):
             coarse_problem = self._make(coarse)
             solved = self._solve(coarse_problem, self.start(coarse, coarse_problem))
@@ -56,11 +55,11 @@ class NestedLayouts:
                 moved, between = own.copy(), own.copy()
                 both = [problem.exchange.views(one) for one in (moved, between)]
                 parts = [coarse_problem.exchange.views(one) for one in (solved - before, solved)]
-                for place, move in zip(both[0], parts[0], strict=True):
-                    place += resample(move, place.shape[1:], linear=linear)
-                for place, nodes, fixed in zip(both[1], parts[1], problem.fixed, strict=True):
+                for place, move, lines in zip(both[0], parts[0], places, strict=True):
+                    place += interpolate(move, *lines, linear=linear)
+                for place, nodes, lines, fixed in zip(both[1], parts[1], places, problem.fixed, strict=True):
                     free = fixed == 0
-                    place[:, free] = resample(nodes, place.shape[1:], linear=linear)[:, free]
+                    place[:, free] = interpolate(nodes, *lines, linear=linear)[:, free]
                 return [problem.exchange.of_first_copies(one) for one in (moved, between)]
 
             return _best(problem, own, prolongations)
@@ -95,12 +94,10 @@ def _best(problem: LayoutProblem, own: Array, prolongations: Callable[..., list[
     return min([own, *prolongations(linear=False)], key=problem.folds)
 
 
-def _halved(layout: MultiBlock) -> list[tuple[bool, bool]] | None:
-    """Return for each block which directions are halved; None where none is."""
+def _coarsening(layout: MultiBlock) -> Coarsening | None:
+    """Return which lines a coarser layout keeps; None where there is none."""
     if layout.node_count < _FEW:
         return None
-    shapes = [grid.shape for grid in layout.blocks]
-    groups = direction_groups(layout.bonds, len(layout))
-    halvable = halvable_groups(layout.bonds, groups, shapes, _LEAST, _MOST)
-    halved = [(xi in halvable, eta in halvable) for xi, eta in groups]
-    return halved if np.any(halved) else None
+    lines = Lines.of(layout.bonds, direction_groups(layout.bonds, len(layout)), [grid.shape for grid in layout.blocks])
+    groups = lines.groups(_LEAST, _MOST)
+    return lines.coarsening(groups, _LEAST) if groups else None

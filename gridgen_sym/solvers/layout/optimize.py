@@ -78,8 +78,6 @@ def optimize_layout(
     asked = None if walls is None else walls_of_blocks(grid, walls)
     if asked is not None and target is not None:
         raise GridgenError("walls become a target: give walls or a target, not both")
-    home, rectangles = [block.shape for block in grid.blocks], logical_rectangles(grid, spacing)
-
     if isinstance(target, MultiBlock):
         target = blocks_of(grid, target)
 
@@ -93,7 +91,7 @@ def optimize_layout(
             fixed=fixed if on is grid else None,
             parameters=parameters,
             rectangles=rectangles,
-            arrays_of=home,
+            arrays_of=[block.shape for block in grid.blocks],
             backend=backend,
         )
 
@@ -121,7 +119,7 @@ def optimize_layout(
                 whole = None if reference is None else reference.blocks[0]
                 again = partial(of_one_block, merged.layout.blocks[0], definition, target=whole, **given)
             return of_all_blocks(again, grid, merged)
-    limit = _STEPS if max_iterations is None else max_iterations
+    limit, rectangles = _STEPS if max_iterations is None else max_iterations, logical_rectangles(grid, spacing)
     with Progress(f"{definition.name}, {len(grid)} blocks", callback, progress, Deadline(time_limit)) as report:
         problem = make(grid)
         run = begin_run(grid, problem, report)

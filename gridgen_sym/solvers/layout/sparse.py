@@ -31,7 +31,13 @@ class LayoutMatrix:
         size: the number of unknowns.
     """
 
-    def __init__(self, copies: Copies, fixed: Sequence[Mask], places: Sequence[Indices] | None = None) -> None:
+    def __init__(
+        self,
+        copies: Copies,
+        fixed: Sequence[Mask],
+        places: Sequence[Indices] | None = None,
+        entries: Sequence[Indices] | None = None,
+    ) -> None:
         """Number the unknowns, and find where the entries of the matrix come from.
 
         Args:
@@ -39,6 +45,8 @@ class LayoutMatrix:
             fixed: for each block the mask of nodes without unknowns.
             places: for each block where x and y of its nodes are in the fields' array, (2, ni, nj); by default block
                 after block, each as planes.
+            entries: for each block where the first plane of its Hessian begins in what is assembled, and the steps to
+                the next plane and the next row; by default likewise.
         """
         numbers, count = node_numbers(copies, fixed)
         turns = [np.stack((np.ones(mask.shape), np.zeros(mask.shape))) for mask in fixed]
@@ -48,7 +56,7 @@ class LayoutMatrix:
         self.size = 2 * count
         self._turned = bool((copies.turn[0] != 1).any())
         self._find_places(numbers, turns, places or _as_planes(fixed))
-        self._find_entries(numbers, turns)
+        self._find_entries(numbers, turns, entries or _planes_after_planes(fixed))
 
     def _find_places(self, numbers: list[Indices], turns: list[Array], places: Sequence[Indices]) -> None:
         free = [number >= 0 for number in numbers]
@@ -56,39 +64,54 @@ class LayoutMatrix:
         self._place = np.concatenate([place[:, one] for place, one in zip(places, free, strict=True)], axis=1)
         self._turn = np.concatenate([turn[:, one] for turn, one in zip(turns, free, strict=True)], axis=1)
 
-    def _find_entries(self, numbers: list[Indices], turns: list[Array]) -> None:
+    def _find_entries(self, numbers: list[Indices], turns: list[Array], entries: Sequence[Indices]) -> None:
         """Find for every coupling of free nodes the nodes, their turns, and where its block is in all planes."""
         parts: list[tuple[Any, ...]] = []
-        begin = 0
-        for number, turn in zip(numbers, turns, strict=True):
+        for number, turn, (begin, to_plane, to_row) in zip(numbers, turns, entries, strict=True):
             ni, nj = number.shape
-            flat = np.arange(number.size).reshape(ni, nj)
+            at = begin + to_row * np.arange(ni)[:, None] + np.arange(nj)
             for (di, dj), planes in _COUPLINGS:
                 here = slice(0, ni - di), slice(max(0, -dj), nj - max(0, dj))
                 there = slice(di, ni), slice(max(0, dj), nj + min(0, dj))
                 both = (number[here] >= 0) & (number[there] >= 0)
-                source = begin + np.array(planes)[:, None] * number.size + flat[here][both]
+                source = to_plane * np.array(planes)[:, None] + at[here][both]
                 ends = turn[:, *here][:, both], turn[:, *there][:, both]
                 beside = np.full(source.shape[1], bool(di or dj))
                 parts.append((source, number[here][both], number[there][both], *ends, beside))
-            begin += HESSIAN_PLANES * number.size
         joined = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
         self._source, first, second, one_turn, other_turn, beside = joined
         self._ends, self._beside = (one_turn, other_turn), beside
         entry = np.arange(4)[:, None]
         rows, columns = 2 * first + entry // 2, 2 * second + entry % 2
-        self._rows = np.concatenate((rows.ravel(), columns[:, beside].ravel()))
-        self._columns = np.concatenate((columns.ravel(), rows[:, beside].ravel()))
+        self._find_structure(
+            np.concatenate((rows.ravel(), columns[:, beside].ravel())),
+            np.concatenate((columns.ravel(), rows[:, beside].ravel())),
+        )
 
-    def assemble(self, hessians: Sequence[Array]) -> Any:  # noqa: ANN401 - scipy.sparse has no types
-        """Return the matrix (CSC) of the stored halves (19, ni, nj) of the blocks' own Hessians."""
+    def _find_structure(self, rows: Indices, columns: Indices) -> None:
+        """Order the entries by columns and rows, and find those that are one."""
         from scipy import sparse
 
-        blocks = np.concatenate([planes.ravel() for planes in hessians])[self._source]
+        keys = columns * self.size + rows
+        self._order = np.argsort(keys, kind="stable")
+        self._starts = np.flatnonzero(np.diff(keys[self._order], prepend=-1))
+        found = self._order[self._starts]
+        ends = np.searchsorted(columns[found], np.arange(self.size + 1))
+        values = np.zeros(len(found))
+        self._matrix = sparse.csc_matrix((values, rows[found], ends), shape=(self.size, self.size))
+
+    def assemble(self, hessians: Sequence[Array] | npt.NDArray[np.floating[Any]]) -> Any:  # noqa: ANN401
+        """Return the matrix (CSC) of the stored halves (19, ni, nj) of the blocks' own Hessians, or of one array.
+
+        It is the same matrix with other values at each call.
+        """
+        joined = hessians if isinstance(hessians, np.ndarray) else np.concatenate([one.ravel() for one in hessians])
+        blocks = joined[self._source].astype(np.float64)
         if self._turned:
             blocks = _turned(blocks, *self._ends)
-        values = np.concatenate((blocks.ravel(), blocks[:, self._beside].ravel()))
-        return sparse.csc_matrix((values, (self._rows, self._columns)), shape=(self.size, self.size))
+        values = np.concatenate((blocks.ravel(), blocks[:, self._beside].ravel()))[self._order]
+        self._matrix.data = np.add.reduceat(values, self._starts) if len(values) else values
+        return self._matrix
 
     def vector(self, field: npt.NDArray[np.floating[Any]]) -> Array:
         """Return the sums over copies of a distributed field, as a vector of unknowns."""
@@ -126,6 +149,13 @@ def _as_planes(fixed: Sequence[Mask]) -> list[Indices]:
     """Return where the nodes of blocks are whose planes (2, ni, nj) stand one after the other."""
     begin = np.cumsum([0, *(2 * mask.size for mask in fixed)])
     return [a + np.arange(2 * mask.size).reshape(2, *mask.shape) for a, mask in zip(begin[:-1], fixed, strict=True)]
+
+
+def _planes_after_planes(fixed: Sequence[Mask]) -> list[Indices]:
+    """Return where the planes (19, ni, nj) of blocks begin, and the steps to the next plane and the next row."""
+    sizes = np.array([mask.size for mask in fixed])
+    begin = HESSIAN_PLANES * (np.cumsum(sizes) - sizes)
+    return [np.array((a, mask.size, mask.shape[1])) for a, mask in zip(begin, fixed, strict=True)]
 
 
 def _turned(blocks: Array, first: Array, second: Array) -> Array:

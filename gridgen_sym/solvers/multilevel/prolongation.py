@@ -85,37 +85,47 @@ def is_transfinite(coordinates: Array) -> bool:
 
 def resample(field: Array, shape: tuple[int, ...], *, linear: bool) -> Array:
     """Interpolate a field (2, ni, nj), uniform in the logical square, to another number of nodes."""
-    return _resample_rows(_resample_lines(field, shape[1], linear=linear), shape[0], linear=linear)
+    rows, columns = (np.linspace(0.0, given - 1.0, count) for given, count in zip(field.shape[1:], shape, strict=True))
+    return interpolate(field, rows, columns, linear=linear)
+
+
+def interpolate(field: Array, rows: Array, columns: Array, *, linear: bool) -> Array:
+    """Interpolate a field (2, ni, nj) at these places among its own rows and columns, from 0 to ni-1 and nj-1."""
+    found = field
+    if len(columns) != field.shape[2]:
+        found = _interpolate_lines(found, columns, linear=linear)
+    return _interpolate_rows(found, rows, linear=linear) if len(rows) != field.shape[1] else found
 
 
 def _resample_lines(field: Array, count: int, *, linear: bool) -> Array:
     """Interpolate along the last axis."""
     if field.shape[-1] == count:
         return field
-    first, factors = _lagrange(field.shape[-1], count, linear=linear)
+    return _interpolate_lines(field, np.linspace(0.0, field.shape[-1] - 1.0, count), linear=linear)
+
+
+def _interpolate_lines(field: Array, places: Array, *, linear: bool) -> Array:
+    first, factors = _lagrange(field.shape[-1], places, linear=linear)
     rows = field.reshape(-1, field.shape[-1])
-    result = np.zeros((len(rows), count))
+    result = np.zeros((len(rows), len(places)))
     for block in _blocks(len(rows)):
         for k, factor in enumerate(factors):
             result[block] += factor * rows[block, first + k]
-    return result.reshape(*field.shape[:-1], count)
+    return result.reshape(*field.shape[:-1], len(places))
 
 
-def _resample_rows(field: Array, count: int, *, linear: bool) -> Array:
+def _interpolate_rows(field: Array, places: Array, *, linear: bool) -> Array:
     """Interpolate a field (2, ni, nj) along the axis of i."""
-    if field.shape[1] == count:
-        return field
-    first, factors = _lagrange(field.shape[1], count, linear=linear)
-    result = np.zeros((2, count, field.shape[2]))
-    for block in _blocks(count):
+    first, factors = _lagrange(field.shape[1], places, linear=linear)
+    result = np.zeros((2, len(places), field.shape[2]))
+    for block in _blocks(len(places)):
         for k, factor in enumerate(factors):
             result[:, block] += factor[block, None] * field[:, first[block] + k]
     return result
 
 
-def _lagrange(given: int, count: int, *, linear: bool) -> tuple[npt.NDArray[np.intp], Array]:
+def _lagrange(given: int, place: Array, *, linear: bool) -> tuple[npt.NDArray[np.intp], Array]:
     """Return the first of the 2 or 4 nodes from which each new one is interpolated, and the factors of all."""
-    place = np.linspace(0.0, given - 1.0, count)
     points = 2 if linear or given < 4 else 4
     first = np.clip(np.floor(place).astype(np.intp) - (points // 2 - 1), 0, given - points)
     local, nodes = place - first, range(points)

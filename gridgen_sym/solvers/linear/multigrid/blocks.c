@@ -9,42 +9,33 @@
 typedef struct {
   int64_t count;
   const int64_t *starts, *block, *i, *j;
-  const float *turn;    /* cosine and sine of the rotation from the first copy, for each entry */
-  const float *inverse; /* of the summed block of a node in the turn of its first copy: xx, xy, yy */
+  const double *turn; /* cosine and sine of the rotation from the first copy, for each entry */
+  float *inverse;     /* of the summed block of a node in the turn of its first copy: xx, xy, yy */
 } Shared;
 
-/* Do something with every block `b`, as a team: one thread for each block, or all of them if there are fewer blocks. */
+#ifdef _OPENMP
+#define OWN_NUMBER omp_get_thread_num()
+#else
+#define OWN_NUMBER 0
+#endif
+
+/* Do something with every block `b`, as a team: one thread for each block, or all of them if there are fewer blocks. The
+ * thread has the number `own`. */
 #define EACH_BLOCK(blocks, threads, work)                                                                    \
   if ((blocks) >= (threads)) {                                                                               \
     PRAGMA(omp parallel for schedule(dynamic) num_threads((int)(threads)) if ((threads) > 1))                \
     for (int64_t b = 0; b < (blocks); ++b) {                                                                 \
       const Team team = {0, 1, 0};                                                                           \
+      UNUSED const int64_t own = OWN_NUMBER;                                                                 \
       work                                                                                                   \
     }                                                                                                        \
   } else                                                                                                     \
     for (int64_t b = 0; b < (blocks); ++b) {                                                                 \
-      WITH_TEAM(team, threads) { work }                                                                      \
+      WITH_TEAM(team, threads) {                                                                             \
+        UNUSED const int64_t own = team.rank;                                                                \
+        work                                                                                                 \
+      }                                                                                                      \
     }
-
-EXPORT void smooth_blocks(const Level *levels, int64_t blocks, int64_t threads, int64_t from_zero) {
-  EACH_BLOCK(blocks, threads, smooth(levels + b, team, (int)from_zero);)
-}
-
-EXPORT void smooth_blocks_backwards(const Level *levels, int64_t blocks, int64_t threads) {
-  EACH_BLOCK(blocks, threads, smooth_backwards(levels + b, team);)
-}
-
-EXPORT void residual_of_blocks(const Level *levels, int64_t blocks, int64_t threads) {
-  EACH_BLOCK(blocks, threads, compute_residual(levels + b, team);)
-}
-
-EXPORT void restrict_blocks(const Level *fine, const Level *coarse, int64_t blocks, int64_t threads) {
-  EACH_BLOCK(blocks, threads, restrict_residual(fine + b, coarse + b, team);)
-}
-
-EXPORT void correct_blocks(const Level *coarse, const Level *fine, int64_t blocks, int64_t threads) {
-  EACH_BLOCK(blocks, threads, correct(coarse + b, fine + b, team);)
-}
 
 /* The residual at a node, of the cells of one block. */
 static void residual_at(const Level *level, int64_t i, int64_t j, float *rx, float *ry) {
@@ -60,12 +51,12 @@ static void residual_at(const Level *level, int64_t i, int64_t j, float *rx, flo
 }
 
 /* Relax the shared nodes one after the other, or in the opposite order. */
-EXPORT void relax_shared(const Level *levels, const Shared *nodes, int64_t backwards) {
+static void relax_shared(const Level *levels, const Shared *nodes, int64_t backwards) {
   for (int64_t k = 0; k < nodes->count; ++k) {
     const int64_t n = backwards ? nodes->count - 1 - k : k;
     float rx = 0.0f, ry = 0.0f;
     for (int64_t e = nodes->starts[n]; e < nodes->starts[n + 1]; ++e) {
-      const float c = nodes->turn[2 * e], s = nodes->turn[2 * e + 1];
+      const float c = (float)nodes->turn[2 * e], s = (float)nodes->turn[2 * e + 1];
       float x, y;
       residual_at(levels + nodes->block[e], nodes->i[e], nodes->j[e], &x, &y);
       rx += c * x + s * y, ry += c * y - s * x;
@@ -74,15 +65,17 @@ EXPORT void relax_shared(const Level *levels, const Shared *nodes, int64_t backw
     const float dx = inverse[0] * rx + inverse[1] * ry, dy = inverse[1] * rx + inverse[2] * ry;
     for (int64_t e = nodes->starts[n]; e < nodes->starts[n + 1]; ++e) {
       const Level *level = levels + nodes->block[e];
-      const float c = nodes->turn[2 * e], s = nodes->turn[2 * e + 1];
+      const float c = (float)nodes->turn[2 * e], s = (float)nodes->turn[2 * e + 1];
       float *x = level->solution + 2 * nodes->i[e] * level->stride + nodes->j[e];
       x[0] += c * dx - s * dy, x[level->stride] += s * dx + c * dy;
     }
   }
 }
 
-/* The block of each shared node with itself, summed over its copies in the turn of the first: xx, xy, yy each. */
-EXPORT void sum_shared(const Level *levels, const Shared *nodes, double *sums) {
+/* Invert the block of each shared node with itself, summed over its copies in the turn of the first; returns how many are
+ * not positive definite. */
+static int64_t invert_shared(const Level *levels, const Shared *nodes) {
+  int64_t unusable = 0;
   for (int64_t n = 0; n < nodes->count; ++n) {
     double xx = 0.0, xy = 0.0, yy = 0.0;
     for (int64_t e = nodes->starts[n]; e < nodes->starts[n + 1]; ++e) {
@@ -95,66 +88,11 @@ EXPORT void sum_shared(const Level *levels, const Shared *nodes, double *sums) {
       xy += c * s * (r - p) + (c * c - s * s) * q;
       yy += s * s * p - 2 * c * s * q + c * c * r;
     }
-    sums[3 * n] = xx, sums[3 * n + 1] = xy, sums[3 * n + 2] = yy;
+    const Block block = {xx, xy, xy, yy};
+    const double determinant = xx * yy - xy * xy;
+    float *inverse = nodes->inverse + 3 * n;
+    unusable += !is_usable(block);
+    inverse[0] = (float)(yy / determinant), inverse[1] = (float)(-xy / determinant), inverse[2] = (float)(xx / determinant);
   }
-}
-
-/* ---- conjugate gradients: vectors of all blocks in one array, with their margins ---- */
-
-MULTIPLY_ROW(multiply_row, double)
-
-/* result = A vector, each block its own cells; `begin` tells where the first node of a block is in a vector, `sums` has a
- * number for each row of all blocks. Returns the product of the vector and the result. */
-EXPORT double multiply_blocks(const Level *levels, int64_t blocks, int64_t threads, const int64_t *begin,
-                              const int64_t *row_begin, const double *vector, double *result, double *sums) {
-  EACH_BLOCK(blocks, threads, {
-    const Level *level = levels + b;
-    const int64_t S = level->stride;
-    ROWS(level, team, i) {
-      const double *p = vector + begin[b] + 2 * i * S;
-      sums[row_begin[b] + i] = multiply_row(level->operator+ i * PLANES * S, p, p, result + begin[b] + 2 * i * S,
-                                            level->begin_j, level->end_j, S);
-    }
-  })
-  double product = 0.0;
-  for (int64_t b = 0; b < blocks; ++b)
-    for (int64_t i = levels[b].begin_i; i < levels[b].end_i; ++i) product += sums[row_begin[b] + i];
-  return product;
-}
-
-/* Parts in which long vectors are worked on; their sums do not depend on the number of threads. */
-enum { PARTS = 64 };
-
-#define EACH_PART(count, threads, sums, value)                                                               \
-  double sums[PARTS];                                                                                        \
-  (void)(threads); /* not used where there is no OpenMP */                                                   \
-  PRAGMA(omp parallel for schedule(static) num_threads((int)(threads)) if ((threads) > 1))                   \
-  for (int64_t part = 0; part < PARTS; ++part) {                                                             \
-    const int64_t from = share(count, part, PARTS), some = share(count, part + 1, PARTS) - from;             \
-    sums[part] = (value);                                                                                    \
-  }
-
-static double sum_of(const double *sums) {
-  double sum = 0.0;
-  for (int64_t part = 0; part < PARTS; ++part) sum += sums[part];
-  return sum;
-}
-
-/* x += alpha p, r -= alpha q, right = scale r; returns the sum of the squares of r. */
-EXPORT double step_vectors(int64_t count, int64_t threads, double alpha, const double *p, const double *q, double *x,
-                           double *r, float *right, double scale) {
-  EACH_PART(count, threads, sums,
-            step_part(alpha, p + from, q + from, x + from, r + from, right + from, scale, some))
-  return sum_of(sums);
-}
-
-EXPORT double product_of_vectors(int64_t count, int64_t threads, const float *z, const double *r) {
-  EACH_PART(count, threads, sums, product_part(z + from, r + from, some))
-  return sum_of(sums);
-}
-
-/* p = z + beta p */
-EXPORT void next_direction(int64_t count, int64_t threads, double beta, const float *z, double *p) {
-  EACH_PART(count, threads, sums, (direction_part(beta, z + from, p + from, some), 0.0))
-  (void)sums;
+  return unusable;
 }

@@ -100,7 +100,7 @@ static int crosses(const Level *levels, const Shared *nodes, int64_t n) {
 
 /* Find the nodes, and their vectors phi; there is room for `most` nodes on lines. Returns how many there are, or -1 if
  * there is not enough room. */
-EXPORT int64_t find_crossing(const Level *levels, const Shared *nodes, Crossing *crossing) {
+static int64_t find_crossing(const Level *levels, const Shared *nodes, Crossing *crossing) {
   int64_t found = 0, used = 0;
   for (int64_t n = 0; n < nodes->count; ++n) {
     for (int64_t e = nodes->starts[n]; e < nodes->starts[n + 1]; ++e) crossing->line[e] = -1;
@@ -130,7 +130,7 @@ EXPORT int64_t find_crossing(const Level *levels, const Shared *nodes, Crossing 
 #define DAMPED 0.6f
 
 /* Correct the solution along all vectors phi by the residuals, which are in `work`. */
-EXPORT void correct_crossing(const Level *levels, const Shared *nodes, const Crossing *crossing) {
+static void correct_crossing(const Level *levels, const Shared *nodes, const Crossing *crossing) {
   for (int64_t k = 0; k < crossing->count; ++k) {
     const int64_t n = crossing->node[k];
     float rx = 0.0f, ry = 0.0f;
@@ -144,7 +144,7 @@ EXPORT void correct_crossing(const Level *levels, const Shared *nodes, const Cro
         r += step;
         x += phi[0] * r[0] + phi[2] * r[S], y += phi[1] * r[0] + phi[3] * r[S];
       }
-      const float c = nodes->turn[2 * e], s = nodes->turn[2 * e + 1];
+      const float c = (float)nodes->turn[2 * e], s = (float)nodes->turn[2 * e + 1];
       rx += c * x + s * y, ry += c * y - s * x;
     }
     const float *inverse = crossing->inverse + 3 * k;
@@ -153,7 +153,8 @@ EXPORT void correct_crossing(const Level *levels, const Shared *nodes, const Cro
       const Level *level = levels + nodes->block[e];
       const Inward in = inward(level, nodes->i[e], nodes->j[e]);
       const int64_t S = level->stride, step = 2 * S * in.di + in.dj;
-      const float c = nodes->turn[2 * e], s = nodes->turn[2 * e + 1], x = c * dx - s * dy, y = s * dx + c * dy;
+      const float c = (float)nodes->turn[2 * e], s = (float)nodes->turn[2 * e + 1];
+      const float x = c * dx - s * dy, y = s * dx + c * dy;
       float *to = level->solution + 2 * S * nodes->i[e] + nodes->j[e];
       const float *phi = crossing->along + crossing->line[e];
       to[0] += x, to[S] += y;

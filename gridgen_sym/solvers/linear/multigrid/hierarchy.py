@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -67,7 +66,7 @@ class LevelArrays:
     def allocate(cls, fixed: Mask, layout: _Layout) -> LevelArrays:
         """Allocate for the nodes of a mask."""
         ni, nj = fixed.shape
-        stride = _stride(nj + 1)
+        stride = stride_of(nj + 1)
         rows = ni + sum(MARGIN)
         counts = layout.planes, layout.pivots, layout.pivots, 2, 2, 2
         arrays = (np.zeros((rows, count, stride), dtype=np.float32)[MARGIN[0] : -MARGIN[1]] for count in counts)
@@ -78,7 +77,8 @@ class LevelArrays:
         mask, stride = self.fixed, self.operator.shape[2]
         arrays = self.operator, self.pivots_i, self.pivots_j, self.right, self.solution, self.work, mask
         pointers = (array.ctypes.data for array in arrays)
-        return Level(*mask.shape, stride, threads_for(mask.size), *pointers, *_span(mask, 0), *_span(mask, 1))
+        spans = *_span(mask, 0), *_span(mask, 1)
+        return Level(*mask.shape, stride, threads_for(mask.size), *pointers, *spans, None, None)
 
     @property
     def vector_size(self) -> int:
@@ -86,14 +86,14 @@ class LevelArrays:
         return int((self.right.shape[0] + sum(MARGIN)) * self.right[0].size)
 
 
-def _stride(count: int) -> int:
+def stride_of(count: int) -> int:
     """Return the numbers from row to row for so many columns."""
     if count <= _LONG:
         return -(-count // _ALIGNMENT) * _ALIGNMENT
     return (-(-count // (2 * _ALIGNMENT)) | 1) * 2 * _ALIGNMENT
 
 
-def coupling_sizes(level: LevelArrays, layout: _Layout = _LAYOUTS["symmetric"]) -> tuple[float, float]:
+def _coupling_sizes(level: LevelArrays, layout: _Layout) -> tuple[float, float]:
     """Return the mean size of the couplings of neighbors along xi and along eta."""
     ni, nj = level.fixed.shape
     some = slice(None, None, max(1, ni // _ROWS))  # On a large grid a sample of rows is enough.
@@ -101,24 +101,6 @@ def coupling_sizes(level: LevelArrays, layout: _Layout = _LAYOUTS["symmetric"]) 
         float(sum(np.abs(level.operator[some, entry, :nj]).mean() for entry in pair)) for pair in layout.couplings
     )
     return rows, columns
-
-
-def allocate(masks: Sequence[Mask]) -> tuple[list[LevelArrays], tuple[Any, Any, Any]]:
-    """Allocate a level of several blocks.
-
-    Returns:
-        The memory of each block; and the right-hand sides, solutions and residuals of all blocks in one array each, of
-        which the blocks have views.
-    """
-    blocks = [LevelArrays.allocate(mask, _LAYOUTS["symmetric"]) for mask in masks]
-    ends = np.cumsum([block.vector_size for block in blocks])
-    memory = tuple(np.zeros(int(ends[-1]), dtype=np.float32) for _ in range(3))
-    for number, block in enumerate(blocks):
-        part = slice(int(ends[number]) - block.vector_size, int(ends[number]))
-        views = (vector[part].reshape(-1, *block.right.shape[1:])[MARGIN[0] : -MARGIN[1]] for vector in memory)
-        right, solution, work = views
-        blocks[number] = replace(block, right=right, solution=solution, work=work)
-    return blocks, (memory[0], memory[1], memory[2])
 
 
 def _span(mask: Mask, axis: int) -> tuple[int, int]:
@@ -183,7 +165,7 @@ class Hierarchy:
 
     def _directions(self, level: LevelArrays) -> tuple[bool, bool]:
         """Return which directions of a level to halve, rows and columns."""
-        rows, columns = coupling_sizes(level, self._layout)
+        rows, columns = _coupling_sizes(level, self._layout)
         large = tuple(count > _COARSEST for count in level.fixed.shape)
         wanted = rows > _WEAK * columns, columns > _WEAK * rows
         halved = large[0] and wanted[0], large[1] and wanted[1]

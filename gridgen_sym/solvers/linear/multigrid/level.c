@@ -49,6 +49,8 @@ typedef struct {
   float *right, *solution, *work; /* vectors */
   const uint8_t *fixed;       /* at node (0, 0), in rows of nj + 2: fixed nodes, and the margin, are 1 */
   int64_t begin_i, end_i, begin_j, end_j; /* the rows and columns with nodes that are not fixed */
+  const int64_t *kept_i, *kept_j; /* the rows and columns of the finer level that this one has; if 0, every second one and
+                                     the last, or all where there are as many */
 } Level;
 
 /* The mask of a row. */

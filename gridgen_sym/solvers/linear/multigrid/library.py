@@ -11,11 +11,12 @@ from ....runtime import open_library
 
 Stencil = Literal["symmetric", "general", "blocks"]
 #: The C files of one translation unit, in their order.
-_LEVELS, _KRYLOV = ("operators", "lines", "cycle"), ("v_cycle", "products", "vectors")
+_LEVELS, _KRYLOV = ("operators", "lines", "cycle"), ("v_cycle", "products", "fields", "vectors")
+_BLOCKS = ("blocks", "crossing_lines", "block_levels", "block_gradients")
 _PARTS = {
     "symmetric": ("level", "symmetric", *_LEVELS, *_KRYLOV, "conjugate_gradient_vectors", "conjugate_gradients"),
     "general": ("level", "general", *_LEVELS, *_KRYLOV, "bicgstab"),
-    "blocks": ("level", "symmetric", *_LEVELS, "products", "conjugate_gradient_vectors", "blocks", "crossing_lines"),
+    "blocks": ("level", "symmetric", *_LEVELS, "products", "fields", "conjugate_gradient_vectors", *_BLOCKS),
 }
 
 
@@ -29,6 +30,7 @@ class Level(ctypes.Structure):
             for name in ("operator", "pivots_i", "pivots_j", "right", "solution", "work", "fixed")
         ),
         *((name, ctypes.c_int64) for name in ("begin_i", "end_i", "begin_j", "end_j")),
+        *((name, ctypes.c_void_p) for name in ("kept_i", "kept_j")),
     )
 
 
@@ -50,19 +52,18 @@ _OWN: dict[Stencil, dict[str, tuple[list[Any], Any]]] = {
     "symmetric": {"solve": (_SOLVE, _INTEGER)},
     "general": {"solve": (_SOLVE, _INTEGER)},
     "blocks": {
-        "smooth_blocks": ([_POINTER, _INTEGER, _INTEGER, _INTEGER], None),
-        "smooth_blocks_backwards": ([_POINTER, _INTEGER, _INTEGER], None),
-        "residual_of_blocks": ([_POINTER, _INTEGER, _INTEGER], None),
-        "restrict_blocks": ([_POINTER, _POINTER, _INTEGER, _INTEGER], None),
-        "correct_blocks": ([_POINTER, _POINTER, _INTEGER, _INTEGER], None),
-        "relax_shared": ([_POINTER, _POINTER, _INTEGER], None),
-        "find_crossing": ([_POINTER] * 3, _INTEGER),
-        "correct_crossing": ([_POINTER] * 3, None),
-        "sum_shared": ([_POINTER] * 3, None),
-        "multiply_blocks": ([_POINTER, _INTEGER, _INTEGER, *[_POINTER] * 5], _NUMBER),
-        "step_vectors": ([_INTEGER, _INTEGER, _NUMBER, *[_POINTER] * 5, _NUMBER], _NUMBER),
-        "product_of_vectors": ([_INTEGER, _INTEGER, _POINTER, _POINTER], _NUMBER),
-        "next_direction": ([_INTEGER, _INTEGER, _NUMBER, _POINTER, _POINTER], None),
+        "find_rows": ([_POINTER], None),
+        "take_blocks": ([_POINTER, _POINTER, _NUMBER], None),
+        "coarsen_blocks": ([_POINTER, _POINTER, _POINTER, _INTEGER], None),
+        "factor_blocks": ([_POINTER], _INTEGER),
+        "coupling_sizes": ([_POINTER, _INTEGER, _POINTER], None),
+        "cycle_down": ([_POINTER, _INTEGER], None),
+        "cycle_up": ([_POINTER, _INTEGER], None),
+        "begin_blocks": ([_POINTER] * 3, _NUMBER),
+        "step_blocks": ([_POINTER, _POINTER, _NUMBER, _NUMBER], _NUMBER),
+        "product_of_blocks": ([_POINTER] * 2, _NUMBER),
+        "multiply_blocks": ([_POINTER, _POINTER, _NUMBER], _NUMBER),
+        "give_blocks": ([_POINTER, _POINTER, _INTEGER, _NUMBER, _POINTER], None),
     },
 }
 

@@ -1,37 +1,46 @@
 /* Setting up a level: its operator, from planes or from the level above, and the pivots of its lines. */
 
-/* Fine index of a coarse one. */
-INLINE int64_t fine_index(int64_t coarse, int64_t coarse_count, int64_t fine_count) {
+/* Fine index of a coarse one, where `kept` lists these or is 0. */
+INLINE int64_t fine_index(const int64_t *kept, int64_t coarse, int64_t coarse_count, int64_t fine_count) {
+  if (kept) return kept[coarse];
   if (coarse_count == fine_count) return coarse;
   return coarse < coarse_count - 1 ? 2 * coarse : fine_count - 1;
 }
 
 /* Whether a fine node lies between a coarse one and the next. */
-INLINE int node_between(int64_t coarse, int64_t coarse_count, int64_t fine_count) {
+INLINE int node_between(const int64_t *kept, int64_t coarse, int64_t coarse_count, int64_t fine_count) {
   if (coarse < 0 || coarse >= coarse_count - 1) return 0;
-  return fine_index(coarse + 1, coarse_count, fine_count) - fine_index(coarse, coarse_count, fine_count) == 2;
+  return fine_index(kept, coarse + 1, coarse_count, fine_count) - fine_index(kept, coarse, coarse_count, fine_count) == 2;
 }
 
 /* Set the finest operator: planes (PLANES, ni, nj) times a factor, without couplings to fixed nodes. */
-EXPORT void take_planes(const Level *level, const double *planes, double factor) {
+static void take_rows(const Level *level, Team team, const double *planes, double factor) {
   const int64_t ni = level->ni, nj = level->nj, S = level->stride, R = PLANES * S;
-  WITH_TEAM(team, level->threads)
-    ROWS(level, team, i)
-      for (int plane = 0; plane < PLANES; ++plane) {
-        int64_t di, dj;
-        neighbor_of(plane, &di, &dj);
-        const uint8_t *restrict here = fixed_row(level, i), *restrict there = fixed_row(level, i + di) + dj;
-        const double *restrict from = planes + (plane * ni + i) * nj;
-        float *restrict to = level->operator+ i * R + plane * S;
-        for (int64_t j = 0; j < nj; ++j) to[j] = (here[j] | there[j]) ? 0.0f : (float)(factor * from[j]);
-      }
+  ROWS(level, team, i)
+    for (int plane = 0; plane < PLANES; ++plane) {
+      int64_t di, dj;
+      neighbor_of(plane, &di, &dj);
+      const uint8_t *restrict here = fixed_row(level, i), *restrict there = fixed_row(level, i + di) + dj;
+      const double *restrict from = planes + (plane * ni + i) * nj;
+      float *restrict to = level->operator+ i * R + plane * S;
+      for (int64_t j = 0; j < nj; ++j) to[j] = (here[j] | there[j]) ? 0.0f : (float)(factor * from[j]);
+    }
 }
 
-/* Nearly all coarse columns lie two fine ones apart. */
-APART void coarsen_along_j(const float *restrict from, float *restrict to, int64_t fine_nj, int64_t nj, int64_t S,
-                           int64_t C) {
-  const int last = node_between(nj - 2, nj, fine_nj);
-  coarsen_node(from, to, S, C, node_between(0, nj, fine_nj), 0);
+EXPORT void take_planes(const Level *level, const double *planes, double factor) {
+  WITH_TEAM(team, level->threads) take_rows(level, team, planes, factor);
+}
+
+/* Nearly all coarse columns lie two fine ones apart, but for those of a list. */
+APART void coarsen_along_j(const float *restrict from, float *restrict to, int64_t fine_nj, const Level *coarse, int64_t S) {
+  const int64_t nj = coarse->nj, C = coarse->stride, *kept = coarse->kept_j;
+  if (kept) {
+    for (int64_t j = 0; j < nj; ++j)
+      coarsen_node(from + kept[j], to + j, S, C, node_between(kept, j, nj, fine_nj), node_between(kept, j - 1, nj, fine_nj));
+    return;
+  }
+  const int last = node_between(0, nj - 2, nj, fine_nj);
+  coarsen_node(from, to, S, C, node_between(0, 0, nj, fine_nj), 0);
 #pragma omp simd
   for (int64_t j = 1; j < nj - 2; ++j) coarsen_node(from + 2 * j, to + j, S, C, 1, 1);
   if (nj > 2) coarsen_node(from + 2 * (nj - 2), to + nj - 2, S, C, last, 1);
@@ -59,21 +68,23 @@ static void cut_fixed(const Level *level, int64_t i) {
   if (!some) cut_columns(level, i, end - 1, level->nj);
 }
 
-/* Set Galerkin's operator, with bilinear interpolation, one direction after the other. `rows` has PLANES fine rows for
- * every thread of the fine level, and is zero where they are longer than the grid. */
-EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
+/* Set Galerkin's operator, with bilinear interpolation, one direction after the other. `row` has PLANES fine rows, and is
+ * zero where they are longer than the grid. */
+static void coarsen_rows(const Level *fine, const Level *coarse, Team team, float *row) {
   const int64_t S = fine->stride, C = coarse->stride, ni = coarse->ni, nj = coarse->nj;
-  WITH_TEAM(team, fine->threads) {
-    float *row = rows + team.rank * PLANES * S;
-    ROWS(coarse, team, i) {
-      const float *from = fine->operator+ fine_index(i, ni, fine->ni) * PLANES * S;
-      float *to = coarse->operator+ i * PLANES * C;
-      const int above = node_between(i, ni, fine->ni), below = node_between(i - 1, ni, fine->ni);
-      coarsen_row(from, nj == fine->nj ? to : row, fine->nj, S, above, below);
-      if (nj != fine->nj) coarsen_along_j(row, to, fine->nj, nj, S, C);
-      cut_fixed(coarse, i);
-    }
+  ROWS(coarse, team, i) {
+    const float *from = fine->operator+ fine_index(coarse->kept_i, i, ni, fine->ni) * PLANES * S;
+    float *to = coarse->operator+ i * PLANES * C;
+    const int above = node_between(coarse->kept_i, i, ni, fine->ni), below = node_between(coarse->kept_i, i - 1, ni, fine->ni);
+    coarsen_row(from, nj == fine->nj ? to : row, fine->nj, S, above, below);
+    if (nj != fine->nj) coarsen_along_j(row, to, fine->nj, coarse, S);
+    cut_fixed(coarse, i);
   }
+}
+
+/* The same with a team; `rows` are of every thread of the fine level. */
+EXPORT void coarsen(const Level *fine, const Level *coarse, float *rows) {
+  WITH_TEAM(team, fine->threads) coarsen_rows(fine, coarse, team, rows + team.rank * PLANES * fine->stride);
 }
 
 /* A 2x2 block. */
@@ -155,18 +166,23 @@ INLINE int64_t factor_lines(const Level *level, int64_t i, int rows) {
   return unusable;
 }
 
-/* Eliminate along all lines; returns how many free nodes have a block that is not usable. */
-EXPORT int64_t factor(const Level *level) {
+/* Eliminate along all lines; returns how many free nodes of a thread's rows have a block that is not usable. */
+static int64_t factor_all(const Level *level, Team team) {
   const int64_t columns = level->end_j - level->begin_j, rows = level->end_i - level->begin_i;
+  const int64_t right = level->begin_j + share(columns, team.rank + 1, team.size);
+  for (int64_t j = level->begin_j + share(columns, team.rank, team.size); j < right; j += COLUMNS)
+    factor_along_i(level, j, right - j < COLUMNS ? right - j : COLUMNS);
+  const int64_t end = level->begin_i + share(rows, team.rank + 1, team.size);
+  int64_t i = level->begin_i + share(rows, team.rank, team.size), found = 0;
+  for (; i + TOGETHER <= end; i += TOGETHER) found += factor_lines(level, i, TOGETHER);
+  for (; i < end; ++i) found += factor_lines(level, i, 1);
+  return found;
+}
+
+EXPORT int64_t factor(const Level *level) {
   int64_t unusable = 0;
   WITH_TEAM(team, level->threads) {
-    const int64_t right = level->begin_j + share(columns, team.rank + 1, team.size);
-    for (int64_t j = level->begin_j + share(columns, team.rank, team.size); j < right; j += COLUMNS)
-      factor_along_i(level, j, right - j < COLUMNS ? right - j : COLUMNS);
-    const int64_t end = level->begin_i + share(rows, team.rank + 1, team.size);
-    int64_t i = level->begin_i + share(rows, team.rank, team.size), found = 0;
-    for (; i + TOGETHER <= end; i += TOGETHER) found += factor_lines(level, i, TOGETHER);
-    for (; i < end; ++i) found += factor_lines(level, i, 1);
+    const int64_t found = factor_all(level, team);
 #pragma omp atomic
     unusable += found;
   }
