@@ -30,6 +30,7 @@ from .errors import GridgenError as GridgenError
 from .errors import MissingExtraError as MissingExtraError
 from .grids.grid import show_grids_with
 from .io import read as read
+from .io import read_masks as read_masks
 from .io import write as write
 from .version import __version__ as __version__
 
@@ -128,7 +129,7 @@ _PACKAGES = {
 _HOMES = {name: package for package, names in _PACKAGES.items() for name in names.split()}
 
 
-__all__ = ["GridgenError", "MissingExtraError", "__version__", "read", "write", *_HOMES]
+__all__ = ["GridgenError", "MissingExtraError", "__version__", "read", "read_masks", "write", *_HOMES]
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import io
 import os
 import secrets
 import shutil
 import stat
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
 from .errors import GridgenError, quoted, shortened
 
+#: What a file is to hold, in one or in pieces.
+Content = bytes | Iterable[bytes]
 #: Bytes that suffice to tell the kind of a file.
 _START = 4096
 
@@ -38,7 +41,7 @@ def file_name(path: str | os.PathLike[str]) -> str:
     return text
 
 
-def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = None) -> None:
+def write_bytes(path: str | os.PathLike[str], data: Content, mode: int | None = None) -> None:
     """Write a file so that `path` holds either what it held before or all of `data`, at every moment.
 
     The data go to a new file in the same folder, are flushed to the disk, and are then renamed over `path`;
@@ -47,7 +50,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
 
     Args:
         path: the file.
-        data: its content.
+        data: its content, in one or in pieces.
         mode: its permissions; by default those of the file that is replaced, or what the user's umask leaves.
 
     Raises:
@@ -69,7 +72,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, mode: int | None = No
         ) from error
 
 
-def write_folder(path: str | os.PathLike[str], files: Mapping[str, bytes]) -> None:
+def write_folder(path: str | os.PathLike[str], files: Mapping[str, Content]) -> None:
     """Write a folder of files so that `path` holds either what it held before or all of the new ones.
 
     The files go to a new folder beside it, which then takes its place. An old folder is removed; it must hold nothing
@@ -104,6 +107,10 @@ def write_folder(path: str | os.PathLike[str], files: Mapping[str, bytes]) -> No
     finally:
         for left in (new, old):
             shutil.rmtree(left, ignore_errors=True)
+
+
+def _pieces(data: Content) -> Iterable[bytes]:
+    return (data,) if isinstance(data, bytes) else data
 
 
 def _check_replaceable(folder: Path, suffixes: set[str]) -> None:
@@ -154,14 +161,14 @@ def _check_link(path: Path) -> None:
         )
 
 
-def _replace(target: Path, data: bytes, mode: int | None, old: os.stat_result | None) -> None:
+def _replace(target: Path, data: Content, mode: int | None, old: os.stat_result | None) -> None:
     """Write a new file beside `target` and rename it over that; `old` is what is known of the present one."""
     temporary = target.parent / f".gridgen-{os.getpid()}-{secrets.token_hex(6)}.tmp"
     try:
         # Not tempfile: its files are closed to everyone else, whatever the user's umask is.
         with temporary.open("xb") as stream:
             _set_permissions(stream, mode, old)
-            stream.write(data)
+            stream.writelines(_pieces(data))
             stream.flush()
             os.fsync(stream.fileno())
         temporary.replace(target)
@@ -182,7 +189,7 @@ def _set_permissions(stream: BinaryIO, mode: int | None, old: os.stat_result | N
         os.fchmod(stream.fileno(), stat.S_IMODE(old.st_mode) & 0o777)
 
 
-def _pour(target: Path, data: bytes, mode: int) -> None:
+def _pour(target: Path, data: Content, mode: int) -> None:
     """Write to a character device, or to a pipe that some program reads."""
     if not (stat.S_ISCHR(mode) or stat.S_ISFIFO(mode)):
         raise GridgenError(f"cannot write {shown(target)}: it is neither a file nor a device that takes characters")
@@ -197,7 +204,7 @@ def _pour(target: Path, data: bytes, mode: int) -> None:
         raise
     os.set_blocking(number, True)
     with open(number, "wb") as stream:
-        stream.write(data)
+        stream.writelines(_pieces(data))
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
@@ -206,10 +213,8 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
     Raises:
         GridgenError: if the file is missing, a folder, a device, without permission, or empty.
     """
-    data = _read(path, -1)
-    if not data.strip():
-        raise GridgenError(f"cannot read {shown(path)}: the file is empty; write it again")
-    return data
+    with opened(path) as stream:
+        return stream.read()
 
 
 def read_start(path: str | os.PathLike[str]) -> bytes:
@@ -218,17 +223,34 @@ def read_start(path: str | os.PathLike[str]) -> bytes:
     Raises:
         GridgenError: if the file is missing, a folder, a device or without permission.
     """
-    return _read(path, _START)
+    with _opened(path) as stream:
+        return stream.read(_START)
 
 
-def _read(path: str | os.PathLike[str], count: int) -> bytes:
-    """Return the first bytes of a file; all for a negative count."""
+@contextlib.contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open a file at its beginning, which must hold more than blanks; what comes from a pipe is read first.
+
+    Raises:
+        GridgenError: as for `read_bytes`.
+    """
+    with _opened(path) as file:
+        stream = file if file.seekable() else io.BytesIO(file.read())
+        while not (piece := stream.read(_START)).strip():
+            if not piece:
+                raise GridgenError(f"cannot read {shown(path)}: the file is empty; write it again")
+        stream.seek(0)
+        yield stream
+
+
+@contextlib.contextmanager
+def _opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     try:
         status = os.stat(file_name(path))
         if stat.S_ISCHR(status.st_mode) or stat.S_ISBLK(status.st_mode):  # Such as /dev/zero, which has no end.
             raise GridgenError(f"cannot read {shown(path)}: it is a device; name a file")
         with Path(path).open("rb") as stream:
-            return stream.read(count)
+            yield stream
     except FileNotFoundError as error:
         raise GridgenError(f"cannot read {shown(path)}: there is no such file; check its name and folder") from error
     except IsADirectoryError as error:

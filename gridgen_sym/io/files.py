@@ -7,7 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
-from ..atomic import check_target, read_bytes, shown, write_bytes, write_folder
+import numpy as np
+
+from ..arrays import Mask
+from ..atomic import check_target, opened, read_bytes, shown, write_bytes, write_folder
 from ..errors import GridgenError, MissingExtraError
 from ..grids.grid import Grid, check_grid
 from .format import Blocks, Format, Storage
@@ -56,18 +59,39 @@ def read(path: str | os.PathLike[str], *, layout: bool = False, form: str = "") 
 def _decoded(form: Format, words: frozenset[str], path: str | os.PathLike[str]) -> Blocks:
     """Return what a file holds."""
     assert form.decode  # format_for has seen to it.
-    data = read_bytes(path)
-    arguments: list[Any] = [data, words] if form.forms else [data]
-    reader: dict[str, Any] = {}
+    options: dict[str, Any] = {}
     if form.storage is Storage.FILE_AND_FOLDER:
-        reader["beside"] = lambda name: read_bytes(Path(path).parent / name)
-    try:
-        found = form.decode(*arguments, **reader)
-    except MissingExtraError:
-        raise
-    except GridgenError as error:
-        raise GridgenError(f"cannot read {shown(path)} as a {form.name}: {error}") from error
+        options["beside"] = lambda name: read_bytes(Path(path).parent / name)
+    given = (words,) if form.forms else ()
+    with opened(path) as stream:
+        data = stream if form.streamed else stream.read()
+        try:
+            found = form.decode(data, *given, **options)
+        except MissingExtraError:
+            raise
+        except GridgenError as error:
+            raise GridgenError(f"cannot read {shown(path)} as a {form.name}: {error}") from error
     return Blocks((found,)) if isinstance(found, Grid) else found
+
+
+def read_masks(path: str | os.PathLike[str], *, form: str = "") -> dict[str, Mask]:
+    """Read which nodes of a file belong to the field, and which to holes: the iblank of PLOT3D.
+
+    Args:
+        path: the file.
+        form: words that select a format, or a variant of one, as for `read`.
+
+    Returns:
+        For each block by name a mask of shape (ni, nj): 0 at nodes in holes, else 1; also where the file has none.
+
+    Raises:
+        GridgenError: as for `read`.
+        MissingExtraError: as for `read`.
+    """
+    chosen, words = format_for(path, form, written=False)
+    blocks = _decoded(chosen, words | ({"holes"} & chosen.forms.keys()), path)
+    masks = blocks.masks or tuple(np.ones(grid.shape, dtype=np.uint8) for grid in blocks.grids)
+    return {name: mask for (name, _), mask in zip(blocks.described, masks, strict=True)}
 
 
 def write(grid: Grid | MultiBlock, path: str | os.PathLike[str], *, form: str = "") -> None:

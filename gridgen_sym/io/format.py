@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
+from ..arrays import Mask
 from ..grids.grid import Grid
 
 if TYPE_CHECKING:
@@ -31,12 +32,14 @@ class Blocks:
         names: of the blocks; None where the file has none.
         bonds: what is connected; None where the file does not say.
         boundaries: parts of the outer boundary by name.
+        masks: for each block (ni, nj) 0 at nodes in holes, else 1; None where the file has none.
     """
 
     grids: tuple[Grid, ...]
     names: tuple[str, ...] | None = None
     bonds: tuple[Bond, ...] | None = None
     boundaries: Mapping[str, tuple[SidePart, ...]] = field(default_factory=dict)
+    masks: tuple[Mask, ...] | None = None
 
     @property
     def described(self) -> tuple[tuple[str, Grid], ...]:
@@ -56,10 +59,11 @@ class Format:
             raises `GridgenError` for everything else than a whole file of the format, and knows nothing of the disk.
             With `forms` it takes the words that the user gave as a second argument; with a folder beside the file it
             takes `beside`, which returns the bytes of a file with a path relative to it, as a keyword.
-        encode: returns the bytes of a file, of a `Grid` or, if the format holds several blocks, of `Blocks`; None where
-            such files are only read. With `forms` it takes the user's words as a second argument. With a folder it
-            returns a mapping from names of files to their bytes; the file beside a folder has the name "", and `encode`
-            takes `stem`, the name of the folder, as a keyword.
+        encode: returns the bytes of a file, in one or in pieces, of a `Grid` or, if the format holds several blocks, of
+            `Blocks`; None where such files are only read. With `forms` it takes the user's words as a second argument.
+            With a folder it returns a mapping from names of files to their bytes; the file beside a folder has the name
+            "", and `encode` takes `stem`, the name of the folder, as a keyword.
+        streamed: whether `decode` takes an open binary file, at its beginning, instead of its bytes.
         recognizes: whether the first bytes of a file may be those of this format, for suffixes that are also those of
             another format, or of outlines; None where the suffix suffices.
         several: whether a file can hold several blocks.
@@ -82,6 +86,7 @@ class Format:
     several: bool = False
     names: bool = False
     storage: Storage = Storage.FILE
+    streamed: bool = False
     binary: bool = False
     dimensions: str = "a plane"
     forms: Mapping[str, str] = field(default_factory=dict)

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from ..atomic import file_name, read_start, shown
 from ..errors import GridgenError, MissingExtraError, quoted
 from . import formats
-from .format import Format
+from .format import Format, Storage
 
 #: Descriptions of layouts, which have no nodes of blocks: another function reads them.
 _DESCRIPTIONS = (".toml", ".mesh")
@@ -34,15 +34,11 @@ def known_suffixes(*, written: bool = False) -> list[str]:
 
 
 def suffix_of(path: str | os.PathLike[str]) -> str:
-    """Return the suffix of a path in lower case; a file that has the name of a suffix and no other has this one."""
+    """Return the suffix of a path in lower case; of a folder that has the name of a suffix and no other, this one."""
     file = Path(file_name(path))
     bare = f".{file.name.lower()}"
-    return bare if bare in _all_suffixes() else file.suffix.lower()
-
-
-@cache
-def _all_suffixes() -> frozenset[str]:
-    return frozenset(suffix for form in known_formats().values() for suffix in form.suffixes)
+    folders = [form for form in known_formats().values() if form.storage is Storage.FOLDER]
+    return bare if any(bare in form.suffixes for form in folders) else file.suffix.lower()
 
 
 def format_for(path: str | os.PathLike[str], form: str, *, written: bool) -> tuple[Format, frozenset[str]]:

@@ -26,26 +26,27 @@ from gridgen_sym.errors import GridgenError
 from gridgen_sym.grids import Grid
 from gridgen_sym.io import read, write
 from gridgen_sym.io.format import Blocks
-from gridgen_sym.io.formats import npz, plot3d, plot3d_plane, table, vts
+from gridgen_sym.io.formats import npz, plot3d, table, vts
+from gridgen_sym.io.plot3d_writing import written
 
 DATA = Path(__file__).parent / "data"
 
 
 def one_block(data):
     """The grid of a PLOT3D file of one block."""
-    (grid,) = plot3d.decode(data).grids
+    (grid,) = plot3d.decode(io.BytesIO(data)).grids
     return grid
 
 
 def encoded(*grids):
     """A PLOT3D file."""
-    return plot3d.encode(Blocks(grids))
+    return b"".join(written(Blocks(grids)))
 
 
 CODECS = {
     ".vts": (vts.encode, vts.decode),
     ".xyz": (encoded, one_block),
-    ".p2dfmt": (lambda grid: plot3d_plane.encode(Blocks((grid,))), one_block),
+    ".p2dfmt": (lambda grid: b"".join(written(Blocks((grid,)), {"plane"})), one_block),
     ".csv": (table.encode, table.decode),
     ".npz": (npz.encode, npz.decode),
 }
@@ -412,18 +413,19 @@ def test_repeat_counts_are_bounded_by_the_header_before_anything_is_allocated():
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"1\n3 3 2\n" + b"0 " * 54, "volume with 2 k planes"),
+        (b"1\n3 3 2\n" + b"0 " * 54, "two planes of nodes that agree in z: cut out"),
         (b"1\n3 3 1\n" + b"0 " * 18 + b"0 0 0 0 1 0 0 0 0", "its z varies"),
         (b"2\n3 3 1\n3 3 1\n" + b"0 " * 53, "2 blocks, the first of 3 x 3 x 1 nodes, in 3 dimensions needs 61"),
         (b"3 3\n" + b"0 " * 17, "do not fit its header"),
         (b"-3 -3\n" + b"0 " * 18, "do not fit its header"),
         (b"3 3\n" + b"0 " * 17 + b"x", "could not convert"),
         (b"3 3\n" + b"0 " * 17 + b"1_0", "'1_0' is not a number"),
-        (b"3 3\n" + b"0 " * 17 + b"x" * 10**5, r"could not convert.*\.\.\. \(\d+ characters\); expected"),
+        (b"3 3\n" + b"0 " * 17 + b"x" * 10**5, r"could not convert.*\.\.\. \(100000 characters\); expected"),
         (b"3 3 1\n" + b"0 " * 26 + b"1e999", r"every z must be finite, but that of node \(2, 2\) is inf"),
         (b"3 3 1\n" + b"1e999 " * 27, r"every node must be finite, but node \(0, 0\) is \(inf, inf\)"),
         (b"3 3 1\n" + b"0 " * 18 + b"1e308 -1e308 0 0 0 0 0 0 0", "its z varies"),
-        (b"\x05\x00\x00\x80\x04", "may be binary"),
+        (b"\x05\x00\x00\x80\x04", "its 5 bytes fit no header of PLOT3D"),
+        (b"3 3 \x80" + b"0 " * 18, "byte 4 is not ASCII text, so the file may be binary"),
     ],
 )
 def test_a_plot3d_file_with_a_fault(data, message):

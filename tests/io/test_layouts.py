@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+
 import numpy as np
 import pytest
 from layouts import butterfly, cut, kinks, ring
@@ -9,7 +11,8 @@ from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
 from gridgen_sym.io.format import Blocks
-from gridgen_sym.io.formats import plot3d, plot3d_plane
+from gridgen_sym.io.formats import plot3d
+from gridgen_sym.io.plot3d_writing import written
 
 NASA = SHARED / "nasa"
 FILES = sorted(NASA.glob("*.p2dfmt"))
@@ -17,6 +20,14 @@ SQUARE = gg.domain("square", 5, 7)
 SEVERAL = [".xyz", ".p2dfmt", ".vtm"]
 #: Every part of a side, connected and named, of a block with a second one that is turned by a quarter.
 NAMES = {"wall": [(0, "bottom", (0, 2)), (0, "left")], "far field": [(0, "bottom", (2, 4)), (1, "top")]}
+
+
+def encoded(*blocks, words=()):
+    return b"".join(written(Blocks(blocks), words))
+
+
+def decoded(data):
+    return plot3d.decode(io.BytesIO(data))
 
 
 def turned():
@@ -86,33 +97,33 @@ def test_one_block_with_its_connections_goes_to_every_format(tmp_path, suffix):
 def test_several_blocks_of_other_writers(three, lines):
     """The sizes stand in one line, or in one for each block, or without lines."""
     blocks = [gg.domain("swan", 5, 4), gg.domain("wavy", 3, 5), gg.domain("zee", 4, 4)]
-    text = (plot3d if three else plot3d_plane).encode(Blocks(tuple(blocks))).decode()
+    text = encoded(*blocks, words=() if three else ("plane",)).decode()
     if lines == "one":
         head, *sizes = text.splitlines()[:4]
         text = "\n".join([head, " ".join(sizes), *text.splitlines()[4:]])
     elif lines == "none":
         text = " ".join(text.split())
-    assert plot3d.decode(text.encode()).grids == tuple(blocks)
+    assert decoded(text.encode()).grids == tuple(blocks)
     with pytest.raises(gg.GridgenError, match="do not fit its header"):
-        plot3d.decode(text.encode().rstrip().rpartition(b"\n" if b"\n" in text.encode() else b" ")[0])
+        decoded(text.encode().rstrip().rpartition(b"\n" if b"\n" in text.encode() else b" ")[0])
 
 
 def test_faults_of_several_blocks_are_told():
     blocks = [SQUARE, SQUARE]
     with pytest.raises(gg.GridgenError, match="block 2: it is a surface in space"):
-        plot3d.decode(plot3d.encode(Blocks(tuple(blocks)))[:-2] + b"1\n")
-    lines = plot3d.encode(Blocks(tuple(blocks))).decode().splitlines()
+        decoded(encoded(*blocks)[:-2] + b"1\n")
+    lines = encoded(*blocks).decode().splitlines()
     wrong = "\n".join([*lines[:8], "x", *lines[9:]]).encode()
     with pytest.raises(gg.GridgenError, match="line 9: could not convert string to float: 'x'"):
-        plot3d.decode(wrong)
+        decoded(wrong)
 
 
 def test_without_a_map_coinciding_nodes_are_connected(tmp_path):
     layout = LAYOUTS["cut"]()
-    (tmp_path / "cut.xyz").write_bytes(plot3d.encode(Blocks(layout.blocks)))
+    (tmp_path / "cut.xyz").write_bytes(encoded(*layout.blocks))
     found = gg.read(tmp_path / "cut.xyz")
     assert found.bonds == layout.bonds
-    (tmp_path / "three.xyz").write_bytes(plot3d.encode(Blocks((SQUARE,) * 3)))
+    (tmp_path / "three.xyz").write_bytes(encoded(SQUARE, SQUARE, SQUARE))
     with pytest.raises(gg.GridgenError, match=r"cannot connect the blocks of .*three\.xyz: .* edges of sides lie at"):
         gg.read(tmp_path / "three.xyz")
 
@@ -203,7 +214,7 @@ def read_with(tmp_path, text):
     right = np.array(SQUARE.planes)
     right[0] += 1
     second = gg.Grid.from_planes(*np.ascontiguousarray(right.transpose(0, 2, 1)[:, ::-1]))
-    (tmp_path / "two.p2dfmt").write_bytes(plot3d_plane.encode(Blocks((SQUARE, second))))
+    (tmp_path / "two.p2dfmt").write_bytes(encoded(SQUARE, second, words=("plane",)))
     (tmp_path / "two.nmf").write_text(text)
     return gg.read(tmp_path / "two.p2dfmt")
 

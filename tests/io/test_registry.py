@@ -69,7 +69,6 @@ def test_a_format_is_found_by_listing(tmp_path, monkeypatch):
     monkeypatch.setattr(formats, "__path__", [*formats.__path__, str(tmp_path / "formats")])
     monkeypatch.setattr("gridgen_sym.io.registry.known_formats", known_formats.__wrapped__)
     monkeypatch.setattr("gridgen_sym.io.known_formats", known_formats.__wrapped__)
-    monkeypatch.setattr("gridgen_sym.io.registry._all_suffixes", lambda: frozenset({".vsc"}))
     gg.write(SWAN, tmp_path / "grid.vsc")
     assert (tmp_path / "grid.vsc").read_bytes().endswith(b"y,x,j,i")
     assert gg.read(tmp_path / "grid.vsc") == SWAN

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
+
 from ..format import Blocks, Format
-from .plot3d import decode, encoded
+from ..plot3d_forms import WORDS
+from ..plot3d_writing import written
+from .plot3d import decode
 
 
-def encode(blocks: Blocks) -> bytes:
-    """Return blocks as a PLOT3D file: multi-block, two-dimensional, ASCII."""
-    return encoded(blocks.grids, "", lambda grid: (grid.x, grid.y))
+def encode(blocks: Blocks, words: Collection[str] = ()) -> Iterator[bytes]:
+    """Return the pieces of a PLOT3D file, by default multi-block, two-dimensional text; see `written`."""
+    return written(blocks, {*words} if "space" in words else {*words, "plane"})
 
 
 FORMAT = Format(
@@ -16,9 +20,10 @@ FORMAT = Format(
     suffixes=(".p2dfmt",),
     decode=decode,
     encode=encode,
+    streamed=True,
     several=True,
-    dimensions="planes",
-    writes="ASCII, 17 digits, multi-block, two-dimensional",
-    reads="as a PLOT3D grid",
-    test="tests/io/test_files.py::test_all_forms_of_plot3d",
+    forms=WORDS,
+    dimensions="as a PLOT3D grid",
+    writes="multi-block, two-dimensional text, as in NASA's Turbulence Modeling Resource; other forms as a PLOT3D grid",
+    test="tests/io/test_plot3d.py::test_every_form_is_read_by_its_content",
 )
