@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -42,12 +42,14 @@ class SlideCurve:
         corners: the parameters of its sharp turns and of its two ends, in order.
         springs: the weights (n - 1,) of the edges of n nodes along it, which are pulled to equal weight times length;
             None where the functional alone spaces the nodes.
+        closed: whether it has no ends: parameters go on beyond 1 where they began at 0.
     """
 
     point: Callable[[Array], Array]
     derivatives: Callable[[Array], Derivatives]
     corners: Array
     springs: Array | None = None
+    closed: bool = False
 
     def first(self, t: Array) -> Array:
         """Return the first derivatives (m, 2)."""
@@ -80,15 +82,18 @@ class SlideCurve:
             )
         inner = np.flatnonzero(sharp_turns(line)) if corners is None else corners
         sharp = np.concatenate(([0], inner, [len(line) - 1]))
-        breaks, factors = _splines(arc, line, sharp)
-
-        def derivatives(t: Array) -> Derivatives:
-            which = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(breaks) - 2)
-            a, b, c, d = factors[:, which]
-            x = (t - breaks[which])[:, None]
-            return ((a * x + b) * x + c) * x + d, (3 * a * x + 2 * b) * x + c, 6 * a * x + 2 * b
-
+        derivatives = _of_cubics(*_splines(arc, line, sharp))
         return cls(lambda t: derivatives(t)[0], derivatives, arc[sharp])
+
+    @classmethod
+    def round_points(cls, points: Array) -> SlideCurve:
+        """Return the smooth closed curve through points (n, 2), of which the last is the first again."""
+        from scipy.interpolate import CubicSpline
+
+        arc = chord_fractions(points)
+        spline = CubicSpline(arc, np.concatenate((points[:-1], points[:1])), bc_type="periodic")
+        derivatives = _of_cubics(arc, spline.c)
+        return cls(lambda t: derivatives(t)[0], derivatives, np.array([0.0, 1.0])).as_closed()
 
     @classmethod
     def of_function(cls, function: Callable[[Array], Any]) -> SlideCurve:
@@ -115,6 +120,11 @@ class SlideCurve:
 
         return cls(point, derivatives, np.array([0.0, 1.0]))
 
+    def as_closed(self) -> SlideCurve:
+        """Return the same curve as one without ends; its last point must be its first."""
+        whole = replace(self, point=lambda t: self.point(t % 1.0), derivatives=lambda t: self.derivatives(t % 1.0))
+        return replace(whole, closed=True)
+
     def reversed(self) -> SlideCurve:
         """Return the same curve, run through the other way."""
 
@@ -123,7 +133,7 @@ class SlideCurve:
             return point, -first, second
 
         springs = None if self.springs is None else self.springs[::-1]
-        return SlideCurve(lambda t: self.point(1.0 - t), derivatives, 1.0 - self.corners[::-1], springs)
+        return SlideCurve(lambda t: self.point(1.0 - t), derivatives, 1.0 - self.corners[::-1], springs, self.closed)
 
     def nearest(self, place: Array, start: Array | None = None, known: Derivatives | None = None) -> Array:
         """Return the parameters (m,) of the nearest points of the curve.
@@ -133,7 +143,10 @@ class SlideCurve:
             start: parameters near those; without them the whole curve is searched.
             known: the curve's points and derivatives there, if they have been evaluated.
         """
-        return self._searched(place) if start is None else self._near(place, start, 0.0, 1.0, known)
+        if start is None:
+            return self._searched(place)
+        low, high = (-np.inf, np.inf) if self.closed else (0.0, 1.0)
+        return self._near(place, start, low, high, known)
 
     def _searched(self, place: Array) -> Array:
         """Return the parameters of the nearest points of the whole curve."""
@@ -219,6 +232,18 @@ def _splines(arc: Array, line: Array, sharp: npt.NDArray[np.intp]) -> tuple[Arra
 
     pieces = [CubicSpline(arc[begin : end + 1], line[begin : end + 1]) for begin, end in pairwise(sharp)]
     return arc, np.concatenate([piece.c for piece in pieces], axis=1)
+
+
+def _of_cubics(breaks: Array, factors: Array) -> Callable[[Array], Derivatives]:
+    """Return the derivatives of a piecewise cubic curve, with breaks (m + 1,) and factors (4, m, 2)."""
+
+    def derivatives(t: Array) -> Derivatives:
+        which = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(breaks) - 2)
+        a, b, c, d = factors[:, which]
+        x = (t - breaks[which])[:, None]
+        return ((a * x + b) * x + c) * x + d, (3 * a * x + 2 * b) * x + c, 6 * a * x + 2 * b
+
+    return derivatives
 
 
 def sharp_turns(line: Array) -> npt.NDArray[np.bool_]:

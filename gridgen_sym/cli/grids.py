@@ -13,7 +13,7 @@ from ..errors import GridgenError
 from ..options import SOLVERS, WEIGHT
 from .base import functionals_option
 from .field import control_of, field_of, fields_of, outside_option, target_of
-from .layouts import LAYOUT_HELP, REFINE_HELP, walls_on
+from .layouts import LAYOUT_HELP, REFINE_HELP, sliding, walls_on
 from .options import option
 from .output import Announcement, certify_and_draw, check_outputs, report
 from .start import continuation_of, parameters_of, start_grid, start_options
@@ -75,7 +75,11 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     metavar="TARGET",
 )
 @option(SOLVERS["walls"], "--wall", "walls", more=WALLS, multiple=True, metavar="SIDE:first=HEIGHT,...")
-@option(SOLVERS["slide"], more=": all, or bottom,top (newton, local)", metavar="SIDES")
+@option(
+    SOLVERS["slide"],
+    more=": all, or bottom,top; of several blocks all, boundaries or BLOCK/SIDE (newton, local)",
+    metavar="SIDES",
+)
 @option(
     SOLVERS["control"],
     more=" of winslow's equations: formulas in xi and eta, such as '-2*xi, 0'; thomas-middlecoff, from the spacing of "
@@ -155,7 +159,7 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     if options["slide"]:
         if solver not in ("newton", "local"):
             raise GridgenError(f"--slide belongs to the discrete energy (newton, local), not to --solver {solver}")
-        given["slide"] = tuple(options["slide"].split(",")) if options["slide"] != "all" else "all"
+        given["slide"] = sliding(options["slide"])
     if solver in ("newton", "local"):
         if options["control"] is not None:
             raise GridgenError(f"--control belongs to the equations (euler-lagrange, relaxation), not to {solver}")

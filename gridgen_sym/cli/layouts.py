@@ -76,6 +76,15 @@ def walls_on(walls: dict[str, Wall]) -> dict[str, Any]:
     return found
 
 
+def sliding(text: str) -> object:
+    """Return what `--slide` says as solvers take it: `BLOCK/SIDE` as a pair, other names as they are."""
+    if text == "all":
+        return text
+    return tuple(
+        (block, side) if slash else side for block, slash, side in (s.rpartition("/") for s in text.split(","))
+    )
+
+
 @click.command()
 def layouts() -> None:
     """List the layouts of several blocks that have names."""

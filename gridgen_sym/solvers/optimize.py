@@ -47,7 +47,7 @@ _TOLERANCE, _TO_TARGET = 1e-6, 1e-12
 _LIMITS = {"newton": 1000, "local": 5000}
 
 
-@on_several_blocks(optimize_layout, without=("slide", "interior_only"), gets_own=True)
+@on_several_blocks(optimize_layout, without=("interior_only",), gets_own=True)
 @renamed_arguments(stacklevel=3, name="functional")
 def optimize(
     grid: Grid,
@@ -93,7 +93,7 @@ def optimize(
             mapping from sides to curves (points, a SciPy spline, or a function of t in [0, 1]). Without a curve it is
             that of the side's own nodes, splines between sharp turns. Every turn that a node of the start holds is held
             by a node of the result: by which one, is chosen for a functional with a barrier, unless there are walls or
-            a target.
+            a target. Of several blocks: names of boundaries, and (block, side); nodes slide from block to block.
         fixed: (ni, nj) mask of inner nodes that do not move.
         parameters: values of the functional's parameters.
         tolerance: factor by which the norm of the gradient or the residual must fall; by default 1e-6, and by Newton's
@@ -192,7 +192,7 @@ def optimize(
         return run_to_result(solve, run.result, report)
 
 
-@on_several_blocks(untangle_layout, without=("slide",))
+@on_several_blocks(untangle_layout, gets_own=True)
 @renamed_arguments(stacklevel=3, name="functional")
 def untangle(
     grid: Grid,

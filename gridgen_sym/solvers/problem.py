@@ -161,10 +161,10 @@ class Problem:
         )
         if self.slide is not None:
             add_spring_hessian(self.slide, planes)
-            self.slide.constrain(planes, self._gradient_at_sides(coordinates), semidefinite=semidefinite)
+            self.slide.constrain(planes, self.gradient_at_sides(coordinates), semidefinite=semidefinite)
         return planes
 
-    def _gradient_at_sides(self, coordinates: Array) -> Array:
+    def gradient_at_sides(self, coordinates: Array) -> Array:
         """Return the gradient (2, ni, nj), not projected, that is right at the nodes of the sides alone."""
         values, inner = self.values(coordinates), self.interior_only
         if values is not None or inner:

@@ -101,6 +101,11 @@ class Merged:
             place.view(merged[place.block], shape)[...] = own
         return self.layout.moved(merged)
 
+    def moved(self, nodes: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+        """Return where nodes are in the merged blocks, from where they are in the blocks before: block, i, j (3, n)."""
+        parts = [(*(self.places[b].node(i, j)), self.places[b].block) for b, i, j in nodes.T.tolist()]
+        return np.array(parts, dtype=np.intp).reshape(-1, 3).T[[2, 0, 1]]
+
     def split(self, planes: Sequence[Array]) -> list[Array]:
         """Return the coordinates of the blocks before, from those of the merged ones."""
         return [place.view(planes[place.block], shape) for place, shape in zip(self.places, self.shapes, strict=True)]

@@ -12,6 +12,7 @@ from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
 from gridgen_sym.solvers.layout import optimize as solver
+from gridgen_sym.solvers.layout import untangling
 from gridgen_sym.solvers.layout.binding import make_layout_problem
 
 SIZE = (13, 17)
@@ -45,7 +46,8 @@ CASES = [
 @pytest.fixture
 def apart(monkeypatch):
     """Let solvers not put blocks together."""
-    monkeypatch.setattr(solver, "merge", lambda layout: SimpleNamespace(layout=layout))
+    for one in (solver, untangling):
+        monkeypatch.setattr(one, "merge", lambda layout: SimpleNamespace(layout=layout))
 
 
 def test_blocks_that_make_up_a_plain_grid_are_solved_as_that(own):
@@ -92,6 +94,20 @@ def test_coarse_grids_help_where_the_start_has_kinks():
     found = gg.optimize(gg.MultiBlock([start]), "winslow")
     assert found.converged
     assert found.iterations == 2
+
+
+def test_folded_blocks_and_the_local_method_are_those_of_a_plain_grid():
+    whole, lines = gg.domain("zee", 17, 17), ((0, 2, 8, 16), (0, 16))
+    start = cut(whole, *lines)
+    for expected, found in (
+        (gg.untangle(whole), gg.untangle(start)),
+        (gg.optimize(whole, "winslow"), gg.optimize(start, "winslow")),
+        (gg.optimize(whole, "winslow", "local"), gg.optimize(start, "winslow", "local")),
+    ):
+        assert np.array_equal(assembled(found.grid, *lines), expected.grid.planes)
+        assert found.grid.names == start.names
+        for told in ("converged", "status", "message", "iterations", "energy", "history", "untangled_by"):
+            assert getattr(found, told) == getattr(expected, told)
 
 
 @pytest.mark.usefixtures("apart")
@@ -296,10 +312,12 @@ def test_an_error_of_the_callback_comes_with_all_blocks():
 
 def test_what_layouts_do_not_take_is_told():
     start = cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 8))
-    with pytest.raises(gg.GridgenError, match="optimize of several blocks does not take 'slide'"):
-        gg.optimize(start, "winslow", slide="all")
+    with pytest.raises(gg.GridgenError, match="optimize of several blocks does not take 'interior_only'"):
+        gg.optimize(start, "winslow", interior_only=True)
     with pytest.raises(gg.GridgenError, match="by method='newton'; came 'local'"):
-        gg.optimize(start, "winslow", "local")
+        gg.optimize(start, "winslow", "local", fixed={})
+    with pytest.raises(gg.GridgenError, match="unknown method 'fast'"):
+        gg.optimize(start, "winslow", "fast")
     with pytest.raises(gg.GridgenError, match="fixed of several blocks maps names of blocks to masks"):
         gg.optimize(start, "winslow", fixed=np.zeros((5, 9)))
 

@@ -107,12 +107,6 @@ def test_a_relaxation_lowers_the_energy_and_leaves_inner_nodes():
     assert np.abs(problem.energy_gradient(relaxed)[2][:, *problem.slide.nodes]).max() < 1e-6
 
 
-def test_several_blocks_do_not_slide():
-    blocks = gg.MultiBlock([gg.domain("square", 5, 5)])
-    with pytest.raises(gg.GridgenError, match="untangle of several blocks does not take 'slide'"):
-        gg.untangle(blocks, slide="all")
-
-
 def test_a_sum_without_the_corners_of_the_boundary_cannot_slide_node_by_node():
     with pytest.raises(gg.GridgenError, match="drop interior_only, or slide"):
         gg.optimize(bend(9, 5, 1), "winslow", "local", slide=CURVES, interior_only=True)

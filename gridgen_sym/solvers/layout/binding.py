@@ -18,6 +18,8 @@ from ...topology.steps import unit_steps
 from ..binding import make_problem
 from ..logical import LogicalRectangle, Spacing
 from .problem import LayoutProblem
+from .slide import LayoutSlide
+from .slide_choice import make_layout_slide
 
 
 def make_layout_problem(
@@ -27,6 +29,7 @@ def make_layout_problem(
     weight: Weight | Source | Mapping[str, object] | None = None,
     fields: Mapping[str, object] | None = None,
     target: object = None,
+    slide: object = None,
     fixed: Mapping[str, npt.ArrayLike] | None = None,
     parameters: Mapping[str, float] | None = None,
     rectangles: Sequence[LogicalRectangle] | None = None,
@@ -44,6 +47,7 @@ def make_layout_problem(
         weight: as in `optimize`.
         fields: likewise.
         target: likewise; a layout of the same shape is a reference.
+        slide: what slides of the outer boundary; see `make_layout_slide`.
         fixed: masks of inner nodes that do not move, by the names of blocks.
         parameters: of the functional.
         rectangles: the logical rectangles of the blocks; by default those of `spacing`.
@@ -82,7 +86,8 @@ def make_layout_problem(
             if len(layout) == 1:
                 raise
             raise type(error)(f"block {name}: {error}") from error
-    return LayoutProblem(problems, layout.copies, held, layout.bonds)
+    sliding = slide if isinstance(slide, LayoutSlide | None) else make_layout_slide(layout, slide)
+    return LayoutProblem(problems, layout.copies, held, layout.bonds, sliding)
 
 
 def logical_rectangles(layout: MultiBlock, spacing: Spacing) -> list[LogicalRectangle]:

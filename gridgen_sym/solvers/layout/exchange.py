@@ -40,12 +40,9 @@ class Exchange:
         """
         self._copies = copies
         self.shapes = tuple(shapes)
-        counts = np.array([ni * nj for ni, nj in shapes])
-        self._begin = np.concatenate(([0], np.cumsum(2 * counts)))
+        self._begin = np.cumsum([0, *(2 * ni * nj for ni, nj in shapes)])
         self.size = int(self._begin[-1])
-        widths = np.array([nj for _, nj in shapes])
-        first = self._begin[copies.block] + copies.i * widths[copies.block] + copies.j
-        self._places = np.stack((first, first + counts[copies.block])) if places is None else places
+        self._places = place_numbers(shapes, copies.block, copies.i, copies.j) if places is None else places
         self._again = np.delete(self._places, copies.starts, axis=1)
         self._turn, self._turns = copies.turn, bool((copies.turn[0] != 1).any())
 
@@ -108,3 +105,12 @@ class Exchange:
             return vectors
         c, s = self._turn[0], -self._turn[1] if back else self._turn[1]
         return np.stack((c * vectors[0] - s * vectors[1], s * vectors[0] + c * vectors[1]))
+
+
+def place_numbers(
+    shapes: Sequence[tuple[int, int]], block: npt.NDArray[np.intp], i: npt.NDArray[np.intp], j: npt.NDArray[np.intp]
+) -> npt.NDArray[np.intp]:
+    """Return where x and y of nodes are in a field on blocks of shapes (ni, nj), as `Exchange` stores it; (2, n)."""
+    counts, widths = np.array(shapes).prod(axis=1), np.array(shapes)[:, 1]
+    first = np.cumsum([0, *2 * counts])[block] + i * widths[block] + j
+    return np.stack((first, first + counts[block]))

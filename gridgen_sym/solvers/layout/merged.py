@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 
 from ...arrays import Array
+from ...boundary.slide_curve import SlideCurve
 from ...functionals.definition import Functional
 from ...functionals.metric import LOGICAL_NAMES
 from ...grids import Grid, corner_jacobians
@@ -16,6 +17,8 @@ from ..multilevel.nested import coarse_shapes
 from ..multilevel.prolongation import is_transfinite
 from ..run.result import Result
 from .result import LayoutResult
+from .slide import LayoutSlide
+from .slide_choice import make_layout_slide
 
 
 def references_of(layout: MultiBlock, target: object) -> list[Array] | None:
@@ -37,15 +40,40 @@ def names_place(
 
 
 def is_one_grid(merged: MultiBlock) -> bool:
-    """Whether merged blocks are a plain grid, for which the solver of one block costs least.
+    """Whether merged blocks are a plain grid."""
+    return len(merged) == 1 and not merged.bonds
+
+
+def begins_from_sides(merged: MultiBlock) -> bool:
+    """Whether the solver of one block costs least for merged blocks that are one.
 
     Where it has coarse grids they begin from the boundary, so the start's own inner nodes must be of no use: folded, or
     those of transfinite interpolation.
     """
     planes, few = merged.blocks[0].planes, len(coarse_shapes(merged.blocks[0].shape)) == 1
-    if len(merged) > 1 or merged.bonds:
-        return False
     return few or is_transfinite(planes) or not min(corners.min() for corners in corner_jacobians(*planes)) > 0
+
+
+def sliding_sides(slide: LayoutSlide | None) -> dict[str, SlideCurve | None] | None:
+    """Return what slides of a layout of one block, as its own solver takes it; None if that is a part of a side."""
+    sides: dict[str, SlideCurve | None] = {}
+    for line in slide.lines if slide is not None else ():
+        _, i, j = line.places
+        ((ni, nj),) = slide.shapes  # type: ignore[union-attr]
+        on = {"bottom": (j == 0, ni), "right": (i == ni - 1, nj), "top": (j == nj - 1, ni), "left": (i == 0, nj)}
+        whole = [side for side, (there, count) in on.items() if there.all() and len(there) == count]
+        if not whole:
+            return None
+        sides[whole[0]] = None if line.own else line.curve
+    return sides
+
+
+def merged_slide(layout: MultiBlock, slide: object, merged: Merged) -> LayoutSlide | None:
+    """Return what slides of a layout as that of its merged blocks."""
+    if slide is None:
+        return None
+    given = slide if isinstance(slide, LayoutSlide) else make_layout_slide(layout, slide)
+    return given.merged(merged)
 
 
 def of_all_blocks(solve: Callable[[], LayoutResult | Result], layout: MultiBlock, merged: Merged) -> LayoutResult:

@@ -47,7 +47,8 @@ class NestedLayouts:
         coarse, places = layout.coarsened(coarsening), coarsening.places
         with suppress(UnusableValueError):
             coarse_problem = self._make(coarse)
-            solved = self._solve(coarse_problem, self.start(coarse, coarse_problem))
+            coarse_problem.slide = None if problem.slide is None else problem.slide.coarsened(coarsening)
+            solved = self._solved(coarse, coarse_problem)
             before = coarse_problem.exchange.join([grid.planes for grid in coarse.blocks])
 
             def prolongations(*, linear: bool) -> list[Array]:
@@ -57,13 +58,24 @@ class NestedLayouts:
                 parts = [coarse_problem.exchange.views(one) for one in (solved - before, solved)]
                 for place, move, lines in zip(both[0], parts[0], places, strict=True):
                     place += interpolate(move, *lines, linear=linear)
-                for place, nodes, lines, fixed in zip(both[1], parts[1], places, problem.fixed, strict=True):
+                for place, nodes, lines, fixed in zip(both[1], parts[1], places, problem.held, strict=True):
                     free = fixed == 0
                     place[:, free] = interpolate(nodes, *lines, linear=linear)[:, free]
-                return [problem.exchange.of_first_copies(one) for one in (moved, between)]
+                starts = [problem.exchange.of_first_copies(one) for one in (moved, between)]
+                for one in starts:
+                    problem.retract(one)
+                return starts
 
             return _best(problem, own, prolongations)
         return own
+
+    def _solved(self, layout: MultiBlock, problem: LayoutProblem) -> Array:
+        """Return the solution on a coarse layout, whose boundary nodes stay if they would leave a bend to one edge."""
+        found = self._solve(problem, self.start(layout, problem))
+        if problem.slide is None or not problem.slide.caution(found):
+            return found
+        problem.slide = None
+        return self._solve(problem, self.start(layout, problem))
 
     def _solve(self, problem: LayoutProblem, start: Array) -> Array:
         problem.refresh(start)

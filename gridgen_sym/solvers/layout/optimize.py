@@ -25,7 +25,15 @@ from ..run.result import Result
 from ..run.status import Outcome, Status
 from ..run.stopping import run_to_result
 from .binding import blocks_of, logical_rectangles, make_layout_problem
-from .merged import is_one_grid, names_place, of_all_blocks, references_of
+from .merged import (
+    begins_from_sides,
+    is_one_grid,
+    merged_slide,
+    names_place,
+    of_all_blocks,
+    references_of,
+    sliding_sides,
+)
 from .nested import NestedLayouts
 from .problem import LayoutProblem
 from .result import LayoutResult
@@ -46,6 +54,7 @@ def optimize_layout(
     fields: Mapping[str, object] | None = None,
     target: Target | Grid | MultiBlock | Mapping[str, object] | None = None,
     walls: LayoutWalls | None = None,
+    slide: object = None,
     fixed: Mapping[str, npt.ArrayLike] | None = None,
     parameters: Mapping[str, float] | None = None,
     tolerance: float | None = None,
@@ -63,16 +72,17 @@ def optimize_layout(
 
     Connected nodes move like inner ones; the outer boundary stays. `fixed`, and values that are given as a mapping from
     the names of blocks, are for each block; `walls` by block and side, such as `{"a": {"bottom": Wall(first=1e-3)}}`,
-    or by the name of a boundary, `{"wall": Wall(first=1e-3)}`. With `merges`, blocks are put together where that gives
-    the same grid; if they make up a plain one, `of_one_block` solves, where it is given.
+    or by the name of a boundary, `{"wall": Wall(first=1e-3)}`. `slide` takes names of boundaries and (block, side).
+    With `merges`, blocks are put together where that gives the same grid; if they make up a plain one, `of_one_block`
+    solves, where it is given.
 
     Raises:
         GridgenError: for input that cannot be used.
     """
-    if method != "newton":
-        raise GridgenError(f"several blocks are optimized by method='newton'; came {quoted(method)}")
+    if method not in ("newton", "local"):
+        raise GridgenError(f"unknown method {quoted(method)}: optimize takes 'newton' or 'local'")
     if tolerance is None:
-        tolerance = _TOLERANCE if target is None else _TO_TARGET
+        tolerance = _TO_TARGET if target is not None and method == "newton" else _TOLERANCE
     check_controls(tolerance, max_iterations, callback, time_limit)
     definition = find_functional(functional)
     asked = None if walls is None else walls_of_blocks(grid, walls)
@@ -88,6 +98,7 @@ def optimize_layout(
             weight=weight,
             fields=fields,
             target=target,
+            slide=slide if on is grid else None,
             fixed=fixed if on is grid else None,
             parameters=parameters,
             rectangles=rectangles,
@@ -100,7 +111,11 @@ def optimize_layout(
     alike = alike and (target is None or references is not None)
     if merges and alike and not names_place(grid, definition, parameters, backend):
         merged = merge(grid)
-        if len(merged.layout) < len(grid):
+        sliding = merged_slide(grid, slide, merged)
+        fewer, sides = len(merged.layout) < len(grid), sliding_sides(sliding) if is_one_grid(merged.layout) else None
+        as_one = of_one_block is not None and sides is not None
+        as_one = as_one and (bool(sides) or method == "local" or (fewer and begins_from_sides(merged.layout)))
+        if as_one or fewer:
             reference = merged.join(references) if references is not None else None
             given: dict[str, Any] = {
                 "parameters": parameters,
@@ -114,11 +129,16 @@ def optimize_layout(
                 "backend": backend,
             }
             again: Callable[[], LayoutResult | Result]
-            again = partial(optimize_layout, merged.layout, definition, target=reference, merges=False, **given)
-            if of_one_block is not None and is_one_grid(merged.layout):
+            if of_one_block is not None and as_one:
                 whole = None if reference is None else reference.blocks[0]
-                again = partial(of_one_block, merged.layout.blocks[0], definition, target=whole, **given)
+                again = partial(of_one_block, merged.layout.blocks[0], definition, method, target=whole, **given)
+                again = partial(again, slide=sides or None)
+            else:
+                again = partial(optimize_layout, merged.layout, definition, method, target=reference, **given)
+                again = partial(again, slide=sliding, merges=False)
             return of_all_blocks(again, grid, merged)
+    if method != "newton":
+        raise GridgenError(f"blocks that are not one together are optimized by method='newton'; came {quoted(method)}")
     limit, rectangles = _STEPS if max_iterations is None else max_iterations, logical_rectangles(grid, spacing)
     with Progress(f"{definition.name}, {len(grid)} blocks", callback, progress, Deadline(time_limit)) as report:
         problem = make(grid)
@@ -139,12 +159,12 @@ def optimize_layout(
         def solve() -> Outcome:
             if asked is not None and limit:
                 run.coordinates = problem.exchange.join(
-                    [block.planes for block in walled_start(grid, asked, backend, report).blocks]
+                    [block.planes for block in walled_start(run.present, asked, backend, report).blocks]
                 )
                 return minimize_with_walls(run, asked, lambda targets: make(grid, targets), minimized)
             folded = problem.kernels.barrier and not problem.energy(run.coordinates)[1] > 0
             if limit and fixed is None:
-                start = NestedLayouts(make, definition, parameters, report).start(grid, problem)
+                start = NestedLayouts(make, definition, parameters, report).start(run.present, problem)
                 run.take(start, folded=folded)
             return minimized()
 

@@ -16,6 +16,7 @@ from ..norms import mean_edge_length, shortest_edges
 from ..problem import Problem
 from .exchange import Exchange
 from .linear import layout_solver
+from .slide import LayoutSlide
 
 
 class LayoutProblem:
@@ -27,10 +28,19 @@ class LayoutProblem:
         fixed: for each block the mask of nodes that do not move.
         bonds: what is connected.
         exchange: joins blocks, and sums over copies.
+        slide: the boundary nodes that slide along curves, or None; they count as fixed elsewhere.
     """
 
-    def __init__(self, blocks: Sequence[Problem], copies: Copies, fixed: Sequence[Mask], bonds: Sequence[Bond]) -> None:
+    def __init__(
+        self,
+        blocks: Sequence[Problem],
+        copies: Copies,
+        fixed: Sequence[Mask],
+        bonds: Sequence[Bond],
+        slide: LayoutSlide | None = None,
+    ) -> None:
         """Join the problems of blocks."""
+        self.slide = slide
         self.blocks, self.copies, self.fixed, self.bonds = tuple(blocks), copies, tuple(fixed), tuple(bonds)
         self.exchange = Exchange(copies, [mask.shape for mask in self.fixed])
         self._lengths: Array | None = None
@@ -71,16 +81,33 @@ class LayoutProblem:
             energy, smallest, _ = block.kernels.energy_gradient(place, block.values(place), block.steps, out=part)
             total += energy
             least.append(smallest)
+        return total, _smallest(least), self._pinned(gradient)
+
+    def _pinned(self, gradient: Array) -> Array:
+        """Sum a gradient over copies and make it zero at fixed nodes, tangential at sliding ones, in place."""
+        if self.slide is None:
+            gradient[self._held] = 0.0
+            return self.exchange.make_consistent(gradient)
+        self.exchange.make_consistent(gradient)
+        along = self.slide.tangential(gradient)
         gradient[self._held] = 0.0
-        return total, _smallest(least), self.exchange.make_consistent(gradient)
+        self.slide.spread(along, gradient)
+        return gradient
 
     def hessian(self, coordinates: Array, *, semidefinite: bool = False, out: list[Array] | None = None) -> list[Array]:
-        """Return for each block the stored half of the Hessian (19, ni, nj) of its own cells."""
+        """Return for each block the stored half of the Hessian (19, ni, nj) of its own cells.
+
+        At sliding nodes it is that of the tangential unknowns.
+        """
         before: Sequence[Array | None] = [None] * len(self.blocks) if out is None else out
-        return [
+        found = [
             block.kernels.hessian(place, block.values(place), block.steps, semidefinite=semidefinite, out=kept)
             for (block, place), kept in zip(self._each(coordinates), before, strict=True)
         ]
+        if self.slide is not None:
+            gradient = self.exchange.join([block.gradient_at_sides(place) for block, place in self._each(coordinates)])
+            self.slide.constrain(found, gradient, semidefinite=semidefinite)
+        return found
 
     def shift(self, hessian: list[Array], part: float) -> None:
         """Add to the diagonals of all blocks, in place, this part of their mean size."""
@@ -92,13 +119,23 @@ class LayoutProblem:
 
     def solver(self) -> LinearSolver:
         """Return what solves the linear systems of Newton's method."""
-        return layout_solver(self.exchange, self.copies, self.fixed, self.bonds, self.kernels.backend)
+        shared = self.copies if self.slide is None else self.slide.shared()
+        return layout_solver(self.exchange, shared, self.held, self.bonds, self.kernels.backend)
+
+    @property
+    def held(self) -> Sequence[Mask]:
+        """For each block the mask of nodes without unknowns: of the fixed ones those that do not slide."""
+        return self.fixed if self.slide is None else self.slide.masks(self.fixed)
 
     def retract(self, coordinates: Array, *, trial: bool = False) -> None:
-        """Do nothing: no node slides."""
+        """Put sliding nodes back on their curves, in place; a `trial` may be refused."""
+        if self.slide is not None:
+            self.slide.retract(coordinates, trial=trial)
 
     def follow(self, coordinates: Array) -> None:
-        """Do nothing: no node slides."""
+        """Take the sliding nodes from where they are in coordinates, on their curves."""
+        if self.slide is not None:
+            self.slide.follow(coordinates)
 
     def inner(self, first: Array, second: Array) -> float:
         """Return the inner product of two consistent fields."""
@@ -153,10 +190,10 @@ class LayoutProblem:
         return summed + (4 * eps * size * change / little if little > 0 and np.isfinite(change) else 0.0)
 
     def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:
-        """Count the folds; with `mendable`, only those that moving the free nodes may repair."""
+        """Count the folds; with `mendable`, only those that moving free or sliding nodes may repair."""
         found = [
             Folds.of(place, fixed if mendable else None, block.kernels.smallest_jacobians(place))
-            for (block, place), fixed in zip(self._each(coordinates), self.fixed, strict=True)
+            for (block, place), fixed in zip(self._each(coordinates), self.held, strict=True)
         ]
         return Folds(sum(one.cells for one in found), max(one.depth for one in found))
 

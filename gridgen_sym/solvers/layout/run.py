@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ...arrays import Array
 from ...topology import MultiBlock
 from ...topology.quality import quality
+from ..harmonic import move_sides
 from ..run.progress import Progress
 from ..run.status import Outcome, Status
 from .problem import LayoutProblem
@@ -17,8 +18,14 @@ NESTED, REGULARIZED = "nested iteration", "regularized barrier at all nodes"
 
 
 def begin_run(layout: MultiBlock, problem: LayoutProblem, report: Progress) -> LayoutRun:
-    """Return a run that begins at a layout's own nodes."""
-    return LayoutRun(layout, problem, problem.exchange.join([block.planes for block in layout.blocks]), report)
+    """Return a run that begins at a layout's own nodes, with the sliding ones on their curves; inner nodes follow."""
+    start = problem.exchange.join([block.planes for block in layout.blocks])
+    if problem.slide is not None:
+        boundary = start.copy()
+        problem.retract(boundary)
+        views = problem.exchange.views(start), problem.exchange.views(boundary)
+        start = problem.exchange.join([move_sides(own, moved) for own, moved in zip(*views, strict=True)])
+    return LayoutRun(layout, problem, start, report)
 
 
 @dataclass(slots=True)
@@ -39,16 +46,24 @@ class LayoutRun:
     report: Progress
     untangled_by: str = ""
 
+    @property
+    def present(self) -> MultiBlock:
+        """The layout with the nodes where they are now."""
+        return self.layout.moved(self.problem.exchange.views(self.coordinates))
+
     def result(self, outcome: Outcome) -> LayoutResult:
         """Return the result, which reports folded cells."""
         self.problem.refresh(self.coordinates)
-        grid = self.layout.moved(self.problem.exchange.views(self.coordinates))
+        self.problem.follow(self.coordinates)
+        grid = self.present
         valid, status, message = not self.problem.folds(self.coordinates).cells, outcome.status, outcome.message
         if self.untangled_by:
             message = f"The grid was folded at the start and was untangled first ({self.untangled_by}): {message}"
         if not valid:
             status = status if status.stop_reason else Status.FOLDED
             message = f"{message} {quality(grid).describe_folds()}"
+        if self.problem.slide is not None:
+            message += self.problem.slide.caution(self.coordinates)
         return LayoutResult(
             grid=grid,
             converged=outcome.converged and (valid or not self.problem.kernels.barrier),
@@ -71,6 +86,7 @@ class LayoutRun:
             better = problem.folds(start) < problem.folds(self.coordinates)
         else:
             better = energy < before
+        problem.follow(start if better else self.coordinates)
         if better:
             self.coordinates = start
             self.untangled_by = NESTED if folded and smallest > 0 else ""

@@ -65,7 +65,7 @@ def _lower(
 ) -> None:
     """Lower the energy with one regularized barrier, in place."""
     blocks = [regularized(block, functional, parameters, epsilon) for block in problem.blocks]
-    regular = LayoutProblem(blocks, problem.copies, problem.fixed, problem.bonds)
+    regular = LayoutProblem(blocks, problem.copies, problem.fixed, problem.bonds, problem.slide)
     minimize(
         regular,
         coordinates,

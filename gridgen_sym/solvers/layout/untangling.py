@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Any
 
 import numpy.typing as npt
 
@@ -15,10 +16,11 @@ from ...topology.merging import merge
 from ..run.checks import check_controls
 from ..run.deadline import Deadline
 from ..run.progress import Callback, Progress
+from ..run.result import Result
 from ..run.status import Outcome, Status
 from ..run.stopping import run_to_result
 from .binding import make_layout_problem
-from .merged import of_all_blocks
+from .merged import is_one_grid, merged_slide, of_all_blocks, sliding_sides
 from .nested import NestedLayouts
 from .problem import LayoutProblem
 from .result import LayoutResult
@@ -30,37 +32,52 @@ def untangle_layout(
     grid: MultiBlock,
     functional: str | Functional = "winslow",
     *,
+    slide: object = None,
     fixed: Mapping[str, npt.ArrayLike] | None = None,
     parameters: Mapping[str, float] | None = None,
     callback: Callback | None = None,
     time_limit: float | None = None,
     progress: bool | None = None,
     backend: str | None = None,
+    of_one_block: Callable[..., Result] | None = None,
 ) -> LayoutResult:
-    """Make a folded grid of several blocks valid; a valid one is returned as it is. See `gridgen_sym.untangle`."""
+    """Make a folded grid of several blocks valid; see `gridgen_sym.untangle`.
+
+    If they make up a plain grid, `of_one_block` solves, where it is given.
+    """
     definition = find_functional(functional)
     if definition.fields:
         definition = find_functional("winslow")
     check_controls(0.5, None, callback, time_limit)
 
     def make(on: MultiBlock) -> LayoutProblem:
+        whole = on is grid
         return make_layout_problem(
-            on, definition, fixed=fixed if on is grid else None, parameters=parameters, backend=backend
+            on,
+            definition,
+            slide=slide if whole else None,
+            fixed=fixed if whole else None,
+            parameters=parameters,
+            backend=backend,
         )
 
     if fixed is None:
         merged = merge(grid)
+        sliding = merged_slide(grid, slide, merged)
+        given: dict[str, Any] = {
+            "parameters": parameters,
+            "callback": callback,
+            "time_limit": time_limit,
+            "progress": progress,
+            "backend": backend,
+        }
+        sides = sliding_sides(sliding) if is_one_grid(merged.layout) else None
+        again: Callable[[], LayoutResult | Result]
+        if of_one_block is not None and sides is not None:
+            again = partial(of_one_block, merged.layout.blocks[0], definition, slide=sides or None, **given)
+            return of_all_blocks(again, grid, merged)
         if len(merged.layout) < len(grid):
-            again = partial(
-                untangle_layout,
-                merged.layout,
-                definition,
-                parameters=parameters,
-                callback=callback,
-                time_limit=time_limit,
-                progress=progress,
-                backend=backend,
-            )
+            again = partial(untangle_layout, merged.layout, definition, slide=sliding, **given)
             return of_all_blocks(again, grid, merged)
     problem = make(grid)
     if not problem.kernels.barrier:
@@ -73,7 +90,7 @@ def untangle_layout(
         def solve() -> Outcome:
             folded = not problem.energy(run.coordinates)[1] > 0
             if folded and fixed is None:
-                run.take(NestedLayouts(make, definition, parameters, report).start(grid, problem), folded=True)
+                run.take(NestedLayouts(make, definition, parameters, report).start(run.present, problem), folded=True)
             report.begin("untangle", (grid.node_count, 1))
             valid = problem.folds(run.coordinates).cells == 0 or untangle_blocks(
                 problem, definition, run.coordinates, parameters, report

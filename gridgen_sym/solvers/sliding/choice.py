@@ -6,18 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...arrays import Array
 from ...boundary.sides import Sides
 from ...boundary.slide_curve import SlideCurve, chord_fractions, slide_curve
 from ...errors import GridgenError, quoted
 from ...grids import Grid
+from .placing import placed
 from .side import SlidingSide, side_index
 from .slide import Slide
-
-#: Corners must be so near to the ends of a curve, and nodes to it, over the extent of the grid.
-_NEAR_END, _NEAR = 1e-6, 0.05
-#: Nodes so near to a curve, over the extent, are where they were looked for.
-_ON = 1e-9
 
 
 def make_slide(grid: Grid, slide: object) -> Slide:
@@ -39,7 +34,7 @@ def make_slide(grid: Grid, slide: object) -> Slide:
         if given is None:
             curve, at = SlideCurve.of_points(nodes), chord_fractions(nodes)
         else:
-            curve, at = _placed(name, slide_curve(given), nodes, extent)
+            curve, at = placed(f"the side {name}", slide_curve(given), nodes, extent)
         sides.append(SlidingSide(name, index, curve, at))
     return Slide(sides, grid.shape)
 
@@ -66,34 +61,3 @@ def _curves(slide: object) -> dict[str, object]:
                 f"unknown side {quoted(side)} in slide: the sides are {', '.join(Sides._fields)}, or 'all'"
             )
     return dict(slide) if isinstance(slide, Mapping) else dict.fromkeys(slide)
-
-
-def _placed(name: str, curve: SlideCurve, nodes: Array, extent: float) -> tuple[SlideCurve, Array]:
-    """Return a curve in the direction of the nodes of a side, and their parameters; it may be given either way."""
-    at = curve.nearest(nodes, chord_fractions(nodes))
-    if np.abs(curve.point(at) - nodes).max() > _ON * extent:
-        at = curve.nearest(nodes)
-    ends = curve.point(np.array([0.0, 1.0]))
-    ahead, back = (np.abs(two - nodes[[0, -1]]).max() for two in (ends, ends[::-1]))
-    if min(ahead, back) > _NEAR_END * extent:
-        raise GridgenError(
-            f"the curve of the side {name} must begin and end at the corners of the grid; an end is "
-            f"{min(ahead, back):.3g} away: move the corners of the start onto it, or extend or cut the curve"
-        )
-    away = float(np.hypot(*(curve.point(at) - nodes).T).max())
-    if away > _NEAR * extent:
-        raise GridgenError(
-            f"the nodes of the side {name} must lie on its curve; one is {away:.3g} away: sample the side on the curve"
-        )
-    # Of a closed curve both ends are the same point: its inner nodes show the direction.
-    if back < ahead or (back == ahead and np.diff(at[1:-1]).sum() < 0):
-        curve, at = curve.reversed(), 1.0 - at
-    at[0], at[-1] = 0.0, 1.0
-    wrong = np.flatnonzero(~(np.diff(at) > 0))
-    if len(wrong):
-        k = int(wrong[0])
-        raise GridgenError(
-            f"the nodes of the side {name} must follow each other along its curve; nodes {k} and {k + 1} are at "
-            f"{at[k]:.6g} and {at[k + 1]:.6g} of it: sample the side on the curve"
-        )
-    return curve, at

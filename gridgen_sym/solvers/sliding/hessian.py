@@ -21,7 +21,7 @@ class Couplings:
 
     __slots__ = ("_blocks", "_nodes")
 
-    def __init__(self, nodes: Index, shape: tuple[int, int]) -> None:
+    def __init__(self, nodes: Index, shape: tuple[int, ...]) -> None:
         """Find the blocks of the nodes of a grid (ni, nj), each with the numbers of its two nodes."""
         ni, nj = shape
         count = len(nodes[0])

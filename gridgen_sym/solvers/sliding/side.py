@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,8 @@ import numpy.typing as npt
 from ...arrays import Array
 from ...boundary.slide_curve import Derivatives, SlideCurve
 
-Index = tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]
+#: Where nodes are in coordinates, an array (2, ...): by i and j, or by numbers in (2, n).
+Index = tuple[Any, ...]
 
 #: The sides whose nodes are numbered by i.
 ALONG_XI = "bottom", "top"
@@ -32,8 +34,8 @@ class SlidingSide:
     """A side whose nodes slide between the corners of its curve.
 
     Attributes:
-        name: `bottom`, `right`, `top` or `left`.
-        index: of all its nodes.
+        name: `bottom`, `right`, `top` or `left`; or that of a line round several blocks.
+        index: of all its nodes. On a closed curve the first one is the last, too, one turn later.
         curve: that they slide along, in the direction of the nodes.
         at: (n,), their parameters, increasing.
         free: (n,), whether a node slides; those at corners of the curve stay.
@@ -51,6 +53,11 @@ class SlidingSide:
 
     def __post_init__(self) -> None:
         """Find the corners around each node."""
+        if self.curve.closed:
+            self.free = np.ones(len(self.at), dtype=bool)
+            self.free[-1] = False
+            self.low, self.high = np.full_like(self.at, -np.inf), np.full_like(self.at, np.inf)
+            return
         corners = self.curve.corners
         piece = np.clip(np.searchsorted(corners, self.at, side="right") - 1, 0, len(corners) - 2)
         low, high = corners[piece], corners[piece + 1]
@@ -67,7 +74,7 @@ class SlidingSide:
     @property
     def nodes(self) -> Index:
         """The indices of the nodes that slide."""
-        return self.index[0][self.free], self.index[1][self.free]
+        return tuple(part[self.free] for part in self.index)
 
     @property
     def derivatives(self) -> Derivatives:
@@ -85,24 +92,29 @@ class SlidingSide:
         away = np.abs(self.curve.point(found) - there).max(axis=1, initial=0.0)
         far = away > _ON_CURVE * float(np.abs(there).max(initial=0.0))
         if far.any():
-            found[far] = self.curve.nearest(there[far])
-        at = self.at.copy()
-        at[self.free] = found
-        self.at = at
+            searched = self.curve.nearest(there[far])
+            found[far] = searched + np.rint(found[far] - searched) if self.curve.closed else searched
+        self.at = self.with_free(found)
 
     def nearest(self, coordinates: Array) -> Array:
         """Return the parameters (n,) of the points nearest to coordinates (2, ni, nj), in the order of the nodes."""
-        found = self.at.copy()
         there = coordinates[:, *self.nodes].T
-        found[self.free] = self.curve.nearest(there, self.at[self.free], self.derivatives)
-        return self.in_order(found)
+        return self.in_order(self.with_free(self.curve.nearest(there, self.at[self.free], self.derivatives)))
 
     def in_order(self, wanted: Array) -> Array:
         """Return parameters near the wanted ones whose gaps are at least a fraction of the present ones."""
         over = np.clip(wanted - _KEPT * self.at, (1 - _KEPT) * self.low, (1 - _KEPT) * self.high)
         if (np.diff(over) < 0).any():
-            over = (np.maximum.accumulate(over) + np.minimum.accumulate(over[::-1])[::-1]) / 2
+            over = _increasing_round(over) if self.curve.closed else _increasing(over)
         return np.asarray(over + _KEPT * self.at)
+
+    def with_free(self, free: Array) -> Array:
+        """Return the parameters of all nodes, given those of the nodes that slide."""
+        at = self.at.copy()
+        at[self.free] = free
+        if self.curve.closed:
+            at[-1] = at[0] + 1.0
+        return at
 
     def resampled(self, index: Index) -> SlidingSide:
         """Return the same side of a grid with another number of nodes, spaced like these."""
@@ -136,6 +148,18 @@ class SlidingSide:
                 at = PchipInterpolator(x, y)(inner)
             found[first + 1 : last] = at
         return found
+
+
+def _increasing(values: Array) -> Array:
+    """Return values that do not decrease, near others."""
+    return np.asarray((np.maximum.accumulate(values) + np.minimum.accumulate(values[::-1])[::-1]) / 2)
+
+
+def _increasing_round(values: Array) -> Array:
+    """Return the same of values round a closed curve, of which the last is the first a turn later."""
+    once, turn = values[:-1], values[-1] - values[0]
+    around = _increasing(np.concatenate((once - turn, once, once + turn)))
+    return around[len(once) : 2 * len(once) + 1]
 
 
 def side_index(side: str, shape: tuple[int, int]) -> Index:

@@ -24,22 +24,18 @@ class Slide:
 
     Attributes:
         sides: that slide.
-        shape: (ni, nj) of the grid.
+        shape: (ni, nj) of the grid; or (n,), of nodes that are in no grid.
         nodes: the indices of all sliding nodes.
         tangents: (2, number of nodes), of length 1.
     """
 
     __slots__ = ("_couplings", "_tried", "nodes", "shape", "sides", "tangents")
 
-    def __init__(self, sides: list[SlidingSide], shape: tuple[int, int]) -> None:
+    def __init__(self, sides: list[SlidingSide], shape: tuple[int, ...]) -> None:
         """Take the sides of a grid."""
         self.sides, self.shape = sides, shape
-        parts = [side.nodes for side in sides]
-        none = np.empty(0, dtype=np.intp)
-        self.nodes: Index = (
-            np.concatenate([none, *(part[0] for part in parts)]),
-            np.concatenate([none, *(part[1] for part in parts)]),
-        )
+        parts, none = [side.nodes for side in sides], np.empty(0, dtype=np.intp)
+        self.nodes: Index = tuple(np.concatenate([none, *(part[axis] for part in parts)]) for axis in range(len(shape)))
         self.tangents = np.zeros((2, len(self.nodes[0])))
         self._couplings: Couplings | None = None
         # The last trial: where it left the nodes, and their parameters on the curves.
@@ -119,7 +115,8 @@ class Slide:
         found = [np.empty(0)]
         for side in self.sides:
             edges = np.hypot(*np.diff(coordinates[:, *side.index], axis=1))
-            found.append(np.minimum(edges[:-1], edges[1:])[side.free[1:-1]])
+            nearer = np.minimum(np.append(edges[-1], edges), np.append(edges, edges[0]))
+            found.append(nearer[side.free])
         return np.concatenate(found)
 
     def second_along(self, planes: Array) -> Array:
@@ -136,9 +133,8 @@ class Slide:
             if not step.any():
                 parameters.append(side.at)
                 continue
-            at = side.at.copy()
-            at[side.free] += step / np.hypot(*side.derivatives[1].T)
-            parameters.append(side.in_order(at))
+            at = side.at[side.free] + step / np.hypot(*side.derivatives[1].T)
+            parameters.append(side.in_order(side.with_free(at)))
             moved[:, *side.nodes] = side.curve.point(parameters[-1][side.free]).T
         return moved, parameters
 
@@ -188,5 +184,9 @@ class Slide:
         """
         if self._couplings is None:
             self._couplings = Couplings(self.nodes, self.shape)
-        curvature = along_curves(self.sides, gradient[:, *self.nodes])
-        self._couplings.constrain(planes, self.tangents, np.maximum(curvature, 0.0) if semidefinite else curvature)
+        self._couplings.constrain(planes, self.tangents, self.curvature(gradient, semidefinite=semidefinite))
+
+    def curvature(self, gradient: Array, *, semidefinite: bool) -> Array:
+        """Return what bends add to the second derivatives along the curves; see `constrain`."""
+        added = along_curves(self.sides, gradient[:, *self.nodes])
+        return np.maximum(added, 0.0) if semidefinite else added
