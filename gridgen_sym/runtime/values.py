@@ -53,9 +53,14 @@ class Values:
         addresses = [view.ctypes.data for views in corners for view in views]
         return cls(tuple(nodes), tuple(corners), np.array(addresses, dtype=np.uintp))
 
+    @property
+    def per_node(self) -> tuple[bool, ...]:
+        """Whether each plane is given per node."""
+        return tuple(map(_is_shared, self.corners))
+
     def at_nodes(self) -> Values:
         """Return the values of the nodes alone, for kernels that work on nodes and not on cells."""
-        return self if all(map(_is_shared, self.corners)) else Values.of(self.nodes, self.nodes[0].shape)
+        return self if all(self.per_node) else Values.of(self.nodes, self.nodes[0].shape)
 
 
 def _views(plane: Array, shape: tuple[int, int]) -> tuple[Array, Array, Array, Array]:

@@ -21,10 +21,11 @@ from ...fields.weight import Source, Weight
 from ...functionals.definition import Functional
 from ...functionals.registry import functional as find_functional
 from ...functionals.variant import Variant
-from ...grids import Grid, corner_jacobians, folded_corners
+from ...grids import Grid
 from ...grids.grid import check_grid
 from ...runtime import KernelSet, kernels
 from ..binding import make_problem
+from ..layout.dispatch import on_several_blocks
 from ..logical import LogicalRectangle, Spacing
 from ..minimization import Run
 from ..newton.minimize import minimize
@@ -33,8 +34,10 @@ from ..run.checks import check_controls
 from ..run.deadline import Deadline
 from ..run.progress import Callback, Progress
 from ..run.result import Result
-from ..run.status import Outcome, Status
+from ..run.status import Outcome
 from ..run.stopping import run_to_result
+from .blocks.euler_lagrange import solve_layout_euler_lagrange
+from .choice import choose_grid
 from .control import Control, Controlled, check_walls
 from .newton import solve_by_newton
 from .relaxation import solve_by_relaxation
@@ -48,7 +51,8 @@ _FOLDED = "The grid was folded at the start; it was untangled and brought near t
 _LIMITS = {"newton": 200, "relaxation": 100_000, "control": 100}
 
 
-@renamed_arguments(name="functional")
+@on_several_blocks(solve_layout_euler_lagrange, without=("control", "relaxation"))
+@renamed_arguments(stacklevel=3, name="functional")
 def solve_euler_lagrange(
     grid: Grid,
     functional: str | Functional,
@@ -74,7 +78,9 @@ def solve_euler_lagrange(
     """Solve the Euler–Lagrange equations of a functional for the positions of the free nodes; the boundary stays.
 
     Args:
-        grid: the start. Newton's method untangles a folded start of a barrier functional first.
+        grid: the start. Newton's method untangles a folded start of a barrier functional first. Or several blocks, a
+            `MultiBlock`, for which the result is a `LayoutResult`: connected nodes have central differences across the
+            connection, and where three, five or more cells meet the discrete energy of the cells is stationary.
         functional: what is minimized: a `Functional`, or its name.
         method: `newton`, or `relaxation` with frozen coefficients, node by node. For a barrier functional
             Newton's method starts near the minimum of the discrete energy, which it finds first: on coarse grids, or
@@ -158,7 +164,7 @@ def solve_euler_lagrange(
 
         def result(outcome: Outcome) -> Result:
             told = run.explained_by_derivatives(outcome)
-            return run.result(told if by_control else _choose(run, equations, told, keep_valid))
+            return run.result(told if by_control else choose_grid(run, equations, told, keep_valid))
 
         return run_to_result(solve, result, report)
 
@@ -210,22 +216,3 @@ def _check_relaxation(relaxation: float | None) -> None:
     """Refuse a relaxation that must diverge."""
     if relaxation is not None and not (isinstance(relaxation, (int, float, np.number)) and 0 < relaxation < 2):
         raise GridgenError(f"expected a relaxation between 0 and 2; came {quoted(relaxation)}")
-
-
-def _choose(run: Run, equations: Equations, outcome: Outcome, keep_valid: bool) -> Outcome:
-    """Choose the grid to return, and report what the type of the equations implies."""
-    status, message = outcome
-    folded = bool(folded_corners(corner_jacobians(*run.coordinates)).any())
-    if outcome.converged and folded and keep_valid and True in equations.best:
-        run.coordinates, status = equations.best[True][1], Status.HELD_BACK
-        message += (
-            " That solution is folded; this is the best valid grid on the way (keep_valid=False returns the solution)."
-        )
-    elif not outcome.converged and equations.best:
-        run.coordinates = equations.best[True in equations.best][1]
-        message += " This is the best valid grid on the way." if folded and True in equations.best else ""
-    kind = equations.problem.kernels.equation_type
-    if kind != "elliptic":
-        message += f" The equations are not elliptic ({kind}), so a solution need not exist or be unique."
-    equations.problem.refresh(run.coordinates)
-    return Outcome(status, message)

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
 from ...grids import corner_jacobians
 from ...runtime import KernelSet, Values
+from ..linear.solution import LinearSolver
+from ..linear.sparse import assemble_jacobian, to_field, to_vector
+from ..linear.systems import jacobian_solver
 from ..norms import norm_of, shortest_edges
 from ..problem import Problem
 from .control import Controlled
 
 #: The planes of the Jacobian that couple a node with itself.
 _OWN = slice(16, 20)
+#: Relative residual of the linear solves.
+_FORCING = 1e-3
 
 
 @dataclass(slots=True)
@@ -33,11 +39,22 @@ class Equations:
     best: dict[bool, tuple[float, Array]] = field(default_factory=dict)
     scale: Array | None = None
     _planes: Array | None = None
+    _solver: LinearSolver | None = None
 
     @property
     def kernels(self) -> KernelSet:
         """The kernels of the equations."""
         return self.controlled.kernels if self.controlled else self.problem.kernels
+
+    @property
+    def barrier(self) -> bool:
+        """Whether the energy is infinite where J = 0."""
+        return self.problem.kernels.barrier
+
+    @property
+    def equation_type(self) -> str:
+        """`elliptic`, or what the equations are instead."""
+        return self.problem.kernels.equation_type
 
     def values(self, coordinates: Array) -> Values | None:
         """Return what the kernels are given at coordinates."""
@@ -86,10 +103,42 @@ class Equations:
         size = float(np.abs(coordinates).max())
         return 10 * float(np.finfo(float).eps) * size * norm_of(self.problem.pin(rows))
 
+    def norm(self, residual: Array) -> float:
+        """Return the norm of a residual."""
+        return norm_of(residual)
+
+    def smallest(self, coordinates: Array) -> float:
+        """Return the smallest Jacobian."""
+        return float(corner_jacobians(coordinates[0], coordinates[1]).min())
+
+    def refresh(self, coordinates: Array) -> None:
+        """Evaluate what is held while the nodes move."""
+        self.problem.refresh(coordinates)
+
+    def direction(self, coordinates: Array, residual: Array) -> Array:
+        """Return Newton's step; NaN where the Jacobian is singular."""
+        if self._solver is None:
+            self._solver = jacobian_solver(self.problem.fixed, self.problem.kernels.backend)
+        usable = self._solver.set_operator(self.jacobian(coordinates))
+        return self._solver.solve(-residual, _FORCING).vector if usable else np.full_like(residual, np.nan)
+
+    def linearized(self, coordinates: Array, residual: Array) -> tuple[Any, Array]:
+        """Return the Jacobian as a sparse matrix, and the residual as a vector of unknowns."""
+        fixed = self.problem.fixed
+        return assemble_jacobian(self.jacobian(coordinates), fixed), to_vector(residual, fixed)
+
+    def field(self, vector: Array) -> Array:
+        """Return a vector of unknowns as a step of the coordinates."""
+        return to_field(vector, self.problem.fixed)
+
     def remember(self, coordinates: Array, norm: float) -> float:
         """Keep the grid if it is the best so far, or the best valid one; return its smallest Jacobian."""
-        smallest = float(corner_jacobians(coordinates[0], coordinates[1]).min())
-        for valid in {False, smallest > 0}:
-            if valid not in self.best or norm < self.best[valid][0]:
-                self.best[valid] = norm, coordinates.copy()
-        return smallest
+        return keep_best(self.best, coordinates, norm, self.smallest(coordinates))
+
+
+def keep_best(best: dict[bool, tuple[float, Array]], coordinates: Array, norm: float, smallest: float) -> float:
+    """Keep a grid if it is the best so far (False), or the best valid one (True); return its smallest Jacobian."""
+    for valid in {False, smallest > 0}:
+        if valid not in best or norm < best[valid][0]:
+            best[valid] = norm, coordinates.copy()
+    return smallest

@@ -46,6 +46,16 @@ class Exchange:
         self._again = np.delete(self._places, copies.starts, axis=1)
         self._turn, self._turns = copies.turn, bool((copies.turn[0] != 1).any())
 
+    @property
+    def places(self) -> npt.NDArray[np.intp]:
+        """Where x and y of every copy are in a field, (2, entries)."""
+        return self._places
+
+    @property
+    def turned(self) -> bool:
+        """Whether copies of a node are turned to each other."""
+        return self._turns
+
     def views(self, field: Array) -> list[Array]:
         """Return the blocks of a field, (2, ni, nj) each, in its memory."""
         return [

@@ -49,10 +49,7 @@ class LayoutMatrix:
                 the next plane and the next row; by default likewise.
         """
         numbers, count = node_numbers(copies, fixed)
-        turns = [np.stack((np.ones(mask.shape), np.zeros(mask.shape))) for mask in fixed]
-        for block, turn in enumerate(turns):
-            here = copies.block == block
-            turn[:, copies.i[here], copies.j[here]] = copies.turn[:, here]
+        turns = node_turns(copies, fixed)
         self.size = 2 * count
         self._turned = bool((copies.turn[0] != 1).any())
         self._find_places(numbers, turns, places or _as_planes(fixed))
@@ -143,6 +140,15 @@ def node_numbers(copies: Copies, fixed: Sequence[Mask]) -> tuple[list[Indices], 
     numbers[free] = np.arange(len(kept), len(kept) + int(free.sum()))
     parts = [numbers[a:b].reshape(m.shape) for a, b, m in zip(offsets[:-1], offsets[1:], fixed, strict=True)]
     return parts, len(kept) + int(free.sum())
+
+
+def node_turns(copies: Copies, fixed: Sequence[Mask]) -> list[Array]:
+    """Return for each block the cosine and sine of its nodes' turns against their first copies, (2, ni, nj)."""
+    turns = [np.stack((np.ones(mask.shape), np.zeros(mask.shape))) for mask in fixed]
+    for block, turn in enumerate(turns):
+        here = copies.block == block
+        turn[:, copies.i[here], copies.j[here]] = copies.turn[:, here]
+    return turns
 
 
 def _as_planes(fixed: Sequence[Mask]) -> list[Indices]:

@@ -1,0 +1,1 @@
+"""The equations on several blocks as one system."""
