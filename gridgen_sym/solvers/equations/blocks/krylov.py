@@ -15,8 +15,9 @@ from ...layout.problem import LayoutProblem
 from ...layout.sparse import LayoutMatrix
 from ...linear.solution import LinearSolver
 
-#: Relative residual of GMRES, as of other linear solves of Newton's method, and of the preconditioner's.
-_FORCING, _LOOSE = 1e-3, 1e-1
+#: Relative residual of GMRES, as of other linear solves of Newton's method. GMRES needs a preconditioner that is nearly
+#: linear: that of conjugate gradients.
+_FORCING, _LOOSE = 1e-3, 1e-2
 #: Steps before a restart, and restarts, after which a factorization is tried.
 _STEPS, _RESTARTS = 30, 2
 
