@@ -25,6 +25,12 @@ def channel(ni=41, nj=25, first=None):
     return gg.transfinite(bottom, top, left, right)
 
 
+def clustered(first):
+    """A grid over a curved wall, the bottom, whose first cells are `first` high and 1/40 long."""
+    along, off = np.meshgrid(np.linspace(0, 1, 41), geometric(first, 30)[0], indexing="ij")
+    return gg.Grid(np.stack([along, 0.2 * along**2 + off * (1 + 0.1 * along)], axis=-1))
+
+
 def heights(grid, side="bottom"):
     """Return the heights of the first cells over the inner nodes of a side, and their degrees off the normal."""
     xy = {"bottom": grid.xy, "top": grid.xy[:, ::-1], "left": grid.xy.swapaxes(0, 1)}[side]

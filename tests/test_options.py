@@ -12,7 +12,7 @@ import pytest
 import gridgen_sym as gg
 from gridgen_sym.adaptation.monitor import _MEASURES
 from gridgen_sym.cli import main
-from gridgen_sym.options import ADAPTATION, AIRFOIL, FILES, OUTLINE, SAMPLES, SOLVERS, WEIGHT, Option
+from gridgen_sym.options import ADAPTATION, AIRFOIL, FILES, OUTLINE, PICTURES, SAMPLES, SOLVERS, WEIGHT, Option
 
 #: (a function or class, the table of its arguments, which of them have another name there).
 CALLED = [
@@ -27,6 +27,9 @@ CALLED = [
     (gg.Outline.read, OUTLINE, {}),
     (gg.Outline.sides, OUTLINE, {}),
     (gg.airfoil_grid, AIRFOIL, {}),
+    (gg.plot_grid, PICTURES, {}),
+    (gg.plot_certificates, PICTURES, {}),
+    (gg.view_grid, PICTURES, {}),
     (gg.read, FILES, {}),
     (gg.write, FILES, {}),
 ]
@@ -80,7 +83,9 @@ def test_monitors_are_those_of_the_table():
 
 def test_every_row_is_an_argument_of_a_function_and_an_option_of_the_command_line():
     used = {id(param.values[2]) for param in SHARED}
-    rows = [row for table in (SOLVERS, ADAPTATION, WEIGHT, SAMPLES, OUTLINE, AIRFOIL) for row in table.values()]
+    rows = [
+        row for table in (SOLVERS, ADAPTATION, WEIGHT, SAMPLES, OUTLINE, AIRFOIL, PICTURES) for row in table.values()
+    ]
     assert [row.name for row in rows if id(row) not in used] == []
     helps = [
         bare(option.help)

@@ -12,7 +12,7 @@ from ..options import ADAPTATION
 from .base import functionals_option
 from .field import field_of, outside_option
 from .options import option
-from .output import Announcement, certify_and_draw, check_outputs, report
+from .output import Announcement, certify_and_draw, check_outputs, report, under_of, under_option
 from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, number
 
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     "-o", "--output", metavar="OUT", help="Write the grid: .vts, .npz, .cgns, ...; see 'gridgen-sym formats'."
 )
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
+@under_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @functionals_option
 def adapt(
@@ -53,6 +54,7 @@ def adapt(
     parameters: tuple[str, ...],
     output: str | None,
     plot: str | None,
+    under: str | None,
     quiet: bool,
     **options: Any,  # noqa: ANN401
 ) -> None:
@@ -69,6 +71,7 @@ def adapt(
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
         options["progress"] = False
     check_outputs(output, plot)
+    drawn = under_of(under, plot)
     fraction = share if feature_fraction is None else feature_fraction
     of_monitor = {"measure": monitor, "feature_fraction": fraction, "smoothing": smoothing}
     chosen = Monitor(**{name: value for name, value in of_monitor.items() if value is not None})  # type: ignore[arg-type]
@@ -84,7 +87,7 @@ def adapt(
     if output:
         result.grid.write(output)
         report(quiet, f"wrote {output}")
-    certify_and_draw(result.grid, plot, f"{Path(input).stem}, adapted", quiet)
+    certify_and_draw(result.grid, plot, f"{Path(input).stem}, adapted", quiet, under=drawn)
     if result.stopped_by is StopReason.USER:
         raise click.exceptions.Exit(130)
 

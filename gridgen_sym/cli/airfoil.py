@@ -10,7 +10,7 @@ import click
 
 from ..options import AIRFOIL
 from .options import option
-from .output import certify_and_draw, check_outputs, report
+from .output import certify_and_draw, check_outputs, report, under_of, under_option
 from .types import SizedCommand
 
 
@@ -29,12 +29,14 @@ from .types import SizedCommand
     "-o", "--output", metavar="OUT", help="Write the grid: .vts, .npz, .cgns, ...; see 'gridgen-sym formats'."
 )
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
+@under_option
 @option(AIRFOIL["backend"], metavar="NAME")
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 def airfoil(
     section: str,
     output: str | None,
     plot: str | None,
+    under: str | None,
     quiet: bool,
     **options: Any,  # noqa: ANN401
 ) -> None:
@@ -48,6 +50,7 @@ def airfoil(
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
     check_outputs(output, plot)
+    field = under_of(under, plot)
     given = {key: value for key, value in options.items() if value is not None}
     result = airfoil_grid(section, progress=False if quiet else None, **given)
     if result.converged:
@@ -59,6 +62,6 @@ def airfoil(
         result.grid.write(output)
         report(quiet, f"wrote {output}")
     kind = given.get("kind", AIRFOIL["kind"].default)
-    certify_and_draw(result.grid, plot, f"{Path(section).stem}: {kind}-grid", quiet, result)
+    certify_and_draw(result.grid, plot, f"{Path(section).stem}: {kind}-grid", quiet, result, field)
     if not result.quality.valid:
         raise click.exceptions.Exit(1)

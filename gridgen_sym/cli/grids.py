@@ -15,7 +15,7 @@ from .base import functionals_option
 from .field import control_of, field_of, fields_of, outside_option, target_of
 from .layouts import LAYOUT_HELP, REFINE_HELP, sliding, walls_on
 from .options import option
-from .output import Announcement, certify_and_draw, check_outputs, report
+from .output import Announcement, certify_and_draw, check_outputs, report, under_of, under_option
 from .start import continuation_of, parameters_of, start_grid, start_options
 from .types import SizedCommand, integer
 from .walls import WALLS, walls_of
@@ -51,6 +51,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
     "-o", "--output", metavar="OUT", help="Write the grid: .vts, .npz, .cgns, ...; see 'gridgen-sym formats'."
 )
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
+@under_option
 @option(
     SOLVERS["weight"],
     more=": a formula such as '1 + 5*exp(-20*(x**2 + y**2))', or a .npz or .csv file as for 'adapt --to'",
@@ -102,7 +103,15 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @option(SOLVERS["backend"], metavar="NAME")
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 @functionals_option
-def grid(input: str, name: str, output: str | None, plot: str | None, quiet: bool, **options: Any) -> None:  # noqa: ANN401
+def grid(
+    input: str,
+    name: str,
+    output: str | None,
+    plot: str | None,
+    under: str | None,
+    quiet: bool,
+    **options: Any,  # noqa: ANN401
+) -> None:
     """Make a grid from INPUT: a classical domain, an outline, a layout or a grid file.
 
     INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), a text file
@@ -124,6 +133,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     }
     solve = _solver(name, quiet, **options)
     check_outputs(output, plot)
+    field = under_of(under, plot)
     start = start_grid(input, **boundary)
     if output and isinstance(start, MultiBlock):
         check_written(output, len(start))
@@ -134,7 +144,7 @@ def grid(input: str, name: str, output: str | None, plot: str | None, quiet: boo
     if output:
         result.grid.write(output)
         report(quiet, f"wrote {output}")
-    certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result)
+    certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result, field)
     if result.stopped_by is StopReason.USER:
         raise click.exceptions.Exit(130)
     if not result.quality.valid or result.status is Status.NOT_DIFFERENTIABLE:
@@ -212,8 +222,9 @@ def _report(result: Result | LayoutResult, quiet: bool) -> None:
     "--layout", is_flag=True, help="Measure and draw a file of one block as a layout: with its boundaries' names."
 )
 @click.option("--plot", metavar="PNG", help="Draw the grid, and why no valid one exists: .png, .svg or .pdf.")
+@under_option
 @click.option("--json", "as_json", is_flag=True, help="Print the measures as JSON, by the names of `gg.Quality`.")
-def quality(file: str, layout: bool, plot: str | None, as_json: bool) -> None:
+def quality(file: str, layout: bool, plot: str | None, under: str | None, as_json: bool) -> None:
     """Measure the grid in FILE; exits with 1 if a cell is folded."""
     import json
 
@@ -221,11 +232,12 @@ def quality(file: str, layout: bool, plot: str | None, as_json: bool) -> None:
     from ..topology import quality as measure
 
     check_outputs(None, plot)
+    field = under_of(under, plot)
     given = read(file, layout=layout)
     measured = measure(given)
     click.echo(json.dumps(measured.as_dict(), indent=2) if as_json else measured.summary())
     if plot or not as_json:
-        certify_and_draw(given, plot, Path(file).stem, quiet=as_json)
+        certify_and_draw(given, plot, Path(file).stem, quiet=as_json, under=field)
     if not measured.valid:
         raise click.exceptions.Exit(1)
 

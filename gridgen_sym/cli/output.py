@@ -26,10 +26,16 @@ under_option = option(
 )
 
 
-def under_of(text: str | None) -> ScalarField | None:
-    """Return the field that `--under` gives, with the text as its name."""
+def under_of(text: str | None, plot: str | None) -> ScalarField | None:
+    """Return the field that `--under` gives, with the text as its name.
+
+    Raises:
+        GridgenError: if it is none, or there is no picture `plot` to draw it in.
+    """
     from ..fields import as_scalar
 
+    if text is not None and not plot:
+        raise GridgenError(f"--under {text} is drawn in a picture: give --plot PNG, too")
     return None if text is None else replace(as_scalar(field_of(text, smooth=False), "the field"), name=text)
 
 
@@ -85,7 +91,12 @@ def _counted(count: int, what: str) -> str:
 
 
 def certify_and_draw(
-    made: Grid | MultiBlock, plot: str | None, title: str, quiet: bool, result: Result | LayoutResult | None = None
+    made: Grid | MultiBlock,
+    plot: str | None,
+    title: str,
+    quiet: bool,
+    result: Result | LayoutResult | None = None,
+    under: ScalarField | None = None,
 ) -> None:
     """Report the proofs that the boundary of a folded grid admits no valid one, and draw it, or these.
 
@@ -99,7 +110,7 @@ def certify_and_draw(
 
     if isinstance(made, MultiBlock) or isinstance(result, LayoutResult):
         if plot:
-            plot_grid(made, plot, title=title)
+            plot_grid(made, plot, title=title, under=under)
             report(quiet, f"wrote {plot}")
         return
     if result:
@@ -110,7 +121,7 @@ def certify_and_draw(
             click.secho(certificate.message, fg="red", err=True)
     if plot:
         if found:
-            plot_certificates(made, plot, found=found)
+            plot_certificates(made, plot, found=found, under=under)
         else:
-            plot_grid(made, plot, title=title)
+            plot_grid(made, plot, title=title, under=under)
         report(quiet, f"wrote {plot}")

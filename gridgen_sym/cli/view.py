@@ -27,7 +27,7 @@ def view(file: str, output: str | None, show: bool, layout: bool, under: str | N
     page = Path(output) if output else Path(f"{Path(file).name}.html")
     if page.suffix.lower() not in (".html", ".htm"):
         raise GridgenError(f"cannot write {page}: the suffix of a page is .html")
-    view_grid(read(file, layout=layout), page, title=Path(file).name, under=under_of(under))
+    view_grid(read(file, layout=layout), page, title=Path(file).name, under=under_of(under, str(page)))
     click.echo(f"wrote {page}")
     if show:
         click.launch(str(page.resolve()))

@@ -13,11 +13,14 @@ from ..certificates.certificate import Certificate
 from ..certificates.proofs import certificates
 from ..errors import GridgenError
 from ..grids.grid import Grid
-from .grids import ALARM, draw_grid, new_figure, save
+from .grids import ALARM, check_drawable, draw_grid, new_figure, save
+from .under import draw_under
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from ..fields.scalar import ScalarField, Source
 
 MOST_PANELS = 5  # Of more certificates the first are drawn, and the others counted.
 _AROUND, _CLOSE = 3.0, 1.3  # A panel shows so many times the extent of what it is about; of cells, if these are that.
@@ -35,7 +38,11 @@ _NAMES = {
 
 
 def plot_certificates(
-    grid: Grid, path: str | os.PathLike[str] | None = None, *, found: Sequence[Certificate] | None = None
+    grid: Grid,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    found: Sequence[Certificate] | None = None,
+    under: ScalarField | Source | None = None,
 ) -> Figure:
     """Draw a grid with its certificates: the whole with numbered marks, and a panel with the nodes of each.
 
@@ -44,6 +51,7 @@ def plot_certificates(
         path: where to write the picture (``.png``, ``.pdf`` or ``.svg``), completely or not at all;
             None to write nothing.
         found: the certificates; None for `certificates(grid, search=True)`.
+        under: a field that is drawn with the grid, below the whole, as for `plot_grid`.
 
     Returns:
         The figure, which belongs to no window and no global state.
@@ -52,6 +60,7 @@ def plot_certificates(
         GridgenError: if there is no certificate, and as for `plot_grid`.
         MissingExtraError: if Matplotlib is not installed.
     """
+    check_drawable(grid)
     found = certificates(grid, search=True) if found is None else found
     if not found:
         raise GridgenError("a picture of certificates needs one, but the boundary of this grid has none")
@@ -60,6 +69,8 @@ def plot_certificates(
     whole = figure.add_subplot(1, 1 + len(shown), 1)
     more = f", {len(shown)} of {len(found)} shown" if len(found) > len(shown) else ""
     title = "no valid grid exists" if any(proof.impossible for proof in found) else "every valid grid has a sliver"
+    if under is not None:
+        draw_under(whole, [grid], under)
     draw_grid(whole, grid, f"{title}{more}")
     for number, certificate in enumerate(shown, start=1):
         _label(whole, certificate.point, str(number))

@@ -17,14 +17,20 @@ from ..grids.grid import Grid, check_grid
 from ..grids.quality import quality
 from ..topology.multiblock import MultiBlock
 from .layouts import draw_blocks, write_names
+from .legend import write_legend
+from .under import draw_under
+from .wall_panel import draw_wall_panel, thinnest_wall
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ..fields.scalar import ScalarField, Source
+
 MOST_LINES = 260  # Along each axis: more would run together to a black area, and make huge vector files.
 _LARGEST = 1e300  # Extents of larger coordinates overflow.
 MOST_FOLDS = 20_000  # Of more folded cells every n-th is drawn; all are counted.
+_PANEL = 3.2  # Inches that the panel of a wall takes beside the picture.
 _INK, _EDGE, ALARM = "#26323d", "#0b1016", "#d7191c"
 
 
@@ -34,18 +40,22 @@ def plot_grid(
     *,
     title: str | None = None,
     ax: Axes | None = None,
+    under: ScalarField | Source | None = None,
 ) -> Figure:
     """Draw a grid: its lines, its boundary a little thicker, its folded cells red and counted.
 
     Of several blocks the edges are thicker, their names stand at their middles, and named boundaries have colors, which
-    the legend explains.
+    the legend explains. Where the first cells of a wall are too thin to be seen, a panel beside the picture shows some.
 
     Args:
         grid: the grid; with more than 260 lines along an axis only every n-th is drawn, and the title says so.
         path: where to write the picture (``.png``, ``.pdf`` or ``.svg``), completely or not at all; None to write
             nothing.
         title: the text above the picture.
-        ax: axes to draw on; None to make a figure for it.
+        ax: axes to draw on, without a panel for walls; None to make a figure for it.
+        under: a field that is drawn with the grid, below its lines, such as the depth of water: a formula in x and y, a
+            function of two arrays, samples (`raster_field`, `scattered_field`), or an array at the nodes or in the
+            cells. Where it has no value nothing is drawn.
 
     Returns:
         The figure, which belongs to no window and no global state.
@@ -54,10 +64,16 @@ def plot_grid(
         MissingExtraError: if Matplotlib is not installed.
         GridgenError: if the picture's suffix is unknown or it cannot be written.
     """
-    _check(grid)
+    check_drawable(grid)
+    wall = thinnest_wall(grid) if ax is None else None
+    panel = None
     if ax is None:
-        ax = _figure(grid).add_subplot()
+        ax, panel = _axes(grid, wall is not None)
+    if under is not None:
+        draw_under(ax, _blocks(grid), under)
     draw_grid(ax, grid, title)
+    if wall is not None and panel is not None:
+        draw_wall_panel(panel, ax, wall)
     figure = ax.figure.figure  # The axes may be in a subfigure: take the whole figure.
     if path is not None:
         save(figure, path)
@@ -85,7 +101,7 @@ def plot_grids(
     for pair in grids:
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise GridgenError(f"a picture in panels takes pairs of a title and a grid; came {quoted(pair)}")
-        _check(pair[1])
+        check_drawable(pair[1])
     across = min(columns, len(grids))
     down = -(-len(grids) // across)
     figure = new_figure(3.6 * across, 3.6 * down)
@@ -105,29 +121,37 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def _check(grid: object) -> None:
-    """Raise a `GridgenError` unless this is a grid of one or several blocks."""
+def check_drawable(grid: Grid | MultiBlock) -> None:
+    """Raise a `GridgenError` unless this is a grid of one or several blocks that can be drawn."""
     if not isinstance(grid, MultiBlock):
         check_grid(grid)
+    largest = max(float(np.abs(block.planes).max()) for block in _blocks(grid))
+    if largest > _LARGEST:
+        raise GridgenError(f"the grid's coordinates reach {largest:.3g}, too large to draw: scale them")
 
 
-def _figure(grid: Grid | MultiBlock) -> Figure:
-    """Return an empty figure with about the proportions of the grid."""
-    blocks = (grid,) if isinstance(grid, Grid) else grid.blocks
-    halves = np.concatenate([block.planes.reshape(2, -1) / 2 for block in blocks], axis=1)
+def _blocks(grid: Grid | MultiBlock) -> Sequence[Grid]:
+    return grid.blocks if isinstance(grid, MultiBlock) else (grid,)
+
+
+def _axes(grid: Grid | MultiBlock, with_panel: bool) -> tuple[Axes, Axes | None]:
+    """Return axes of a new figure with about the proportions of the grid, and a panel at their right."""
+    halves = np.concatenate([block.planes.reshape(2, -1) / 2 for block in _blocks(grid)], axis=1)
     width, height = np.ptp(halves, axis=1).tolist()
     largest = max(width, height) or 1.0
-    return new_figure(*(1.0 + 6.0 * float(np.clip(side / largest, 0.3, 1.0)) for side in (width, height)))
+    inches = [1.0 + 6.0 * float(np.clip(side / largest, 0.3, 1.0)) for side in (width, height)]
+    if not with_panel:
+        return new_figure(*inches).add_subplot(), None
+    figure = new_figure(inches[0] + _PANEL, max(inches[1], _PANEL))
+    columns = figure.add_gridspec(1, 2, width_ratios=(inches[0], _PANEL))
+    return figure.add_subplot(columns[0]), figure.add_subplot(columns[1])
 
 
 def draw_grid(ax: Axes, grid: Grid | MultiBlock, title: str | None, ink: float = 1.0) -> None:
     """Draw one grid on axes; `ink` scales the widths of its lines, for small panels."""
     from matplotlib.collections import LineCollection
 
-    blocks = (grid,) if isinstance(grid, Grid) else grid.blocks
-    largest = max(float(np.abs(block.planes).max()) for block in blocks)
-    if largest > _LARGEST:
-        raise GridgenError(f"the grid's coordinates reach {largest:.3g}, too large to draw: scale them")
+    blocks = _blocks(grid)
     most = max(max(block.shape) for block in blocks)
     step = max(1, -(-most // MOST_LINES))
     # With fewer lines each can be thicker; in the thinnest the cells can still be distinguished.
@@ -151,16 +175,7 @@ def draw_grid(ax: Axes, grid: Grid | MultiBlock, title: str | None, ink: float =
     text = "\n".join(part for part in (title, thinned) if part)
     if text:
         ax.set_title(text, fontsize=10)
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(
-            loc="upper center",
-            bbox_to_anchor=(0.5, 0.0),
-            borderaxespad=2.6,  # Below the tick labels, however low the axes are: in units of the font's size.
-            fontsize=8,
-            frameon=False,
-            markerscale=scale,
-            ncols=3,
-        )
+    write_legend(ax, scale)
     if isinstance(grid, MultiBlock):
         write_names(ax, grid)
 

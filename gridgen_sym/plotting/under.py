@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,12 +13,13 @@ from ..grids.grid import Grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
 
     from ..fields.scalar import ScalarField, Source
 
 _SAMPLES = 400  # Along the longer side of a picture: about two pixels each.
 _MARGIN = 0.04
-_COLORS, _OPACITY = "YlGnBu", 0.8  # Dark lines are seen on them.
+_COLORS, _OPACITY = "YlGnBu", 0.6  # Dark lines are seen on them.
 
 
 def field_label(field: ScalarField) -> str:
@@ -42,16 +43,17 @@ def draw_under(ax: Axes, blocks: Sequence[Grid], under: ScalarField | Source) ->
             f"the field is an array, which belongs to one grid, and here are {len(blocks)} blocks: give a formula, a "
             "function or samples"
         )
-    if field.per_node:
-        x, y = blocks[0].x, blocks[0].y
-    else:
-        x, y = _raster(blocks)
-    values = field.known(x, y)
-    if not np.isfinite(values).any():
+    x, y = (blocks[0].x, blocks[0].y) if field.per_node else _raster(blocks)
+    values = np.ma.masked_invalid(field.known(x, y))
+    if not values.count():
         raise GridgenError("the field to be drawn has no value in the picture: do its samples cover the grid?")
-    image = ax.pcolormesh(
-        x, y, np.ma.masked_invalid(values), shading="gouraud", cmap=_COLORS, alpha=_OPACITY, zorder=0, rasterized=True
-    )
+    look: dict[str, Any] = {"cmap": _COLORS, "alpha": _OPACITY, "zorder": 0}
+    image: ScalarMappable
+    if field.per_node:
+        image = ax.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **look)
+    else:
+        box = (x[0, 0], x[-1, 0], y[0, 0], y[0, -1])
+        image = ax.imshow(values.T, origin="lower", extent=box, interpolation="bilinear", **look)
     bar = ax.figure.colorbar(image, ax=ax, shrink=0.8, aspect=30, pad=0.02)
     bar.ax.tick_params(labelsize=7, color="#8a949e", labelcolor="#56616b")
     bar.outline.set_edgecolor("#c9d0d6")

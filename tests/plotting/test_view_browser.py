@@ -9,6 +9,7 @@ import json
 import numpy as np
 import pytest
 from support_browser import DESKTOP, PHONE, complaints, needs_browser, start_browser
+from support_walls import clustered
 
 import gridgen_sym as gg
 from gridgen_sym.grids.grid import corner_jacobians
@@ -34,14 +35,6 @@ return [least("jacobian"), least("scaled"), least("smallest"), most("largest"), 
   most("growth"), most("off"), folded]
   .map((value) => Number.isFinite(value) ? value : null);
 """
-
-
-def wall(first=1e-6):
-    """A grid over a curved wall whose first cells are `first` high, and 10^4 times as long."""
-    s = np.linspace(0, 1, 41)
-    n = np.concatenate([[0], np.cumsum(first * 1.5 ** np.arange(30))])
-    along, off = np.meshgrid(s, n, indexing="ij")
-    return gg.Grid(np.stack([along, 0.2 * along**2 + off + 0.1 * along * off], axis=-1))
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +130,7 @@ def measures(grid, i, j):
 
 @pytest.mark.parametrize(
     "grid",
-    [gg.domain("swan", 15, 13), wall(), gg.layout("pipe"), gg.domain("wavy", 13, 9)],
+    [gg.domain("swan", 15, 13), clustered(1e-6), gg.layout("pipe"), gg.domain("wavy", 13, 9)],
     ids=["folded", "wall", "pipe", "valid"],
 )
 def test_the_page_measures_as_quality_does(browser, show, grid):
@@ -157,7 +150,7 @@ def test_the_page_measures_as_quality_does(browser, show, grid):
 
 
 def test_pointing_at_a_cell_reports_its_measures_also_at_a_wall_after_zooming_in(browser, show):
-    grid = wall()
+    grid = clustered(1e-6)
     show(grid)
     for i, j in ((30, 29), (5, 27), (20, 0)):
         J, scaled, smallest, largest, (x, y) = measures(grid, i, j)
