@@ -76,7 +76,7 @@ def write_folder(path: str | os.PathLike[str], files: Mapping[str, Content]) -> 
     """Write a folder of files so that `path` holds either what it held before or all of the new ones.
 
     The files go to a new folder beside it, which then takes its place. An old folder is removed; it must hold nothing
-    but files with the suffixes of the new ones.
+    but files with the suffixes of the new ones or, where these have none, with their names.
 
     Args:
         path: the folder.
@@ -86,11 +86,11 @@ def write_folder(path: str | os.PathLike[str], files: Mapping[str, Content]) -> 
         GridgenError: if the folder holds other files, or cannot be written.
     """
     folder = Path(os.path.realpath(path))
-    suffixes = {Path(name).suffix for name in files}
+    known = {Path(name).suffix or name for name in files}
     new, old = (folder.parent / f".gridgen-{os.getpid()}-{secrets.token_hex(6)}.tmp" for _ in range(2))
     try:
         if os.path.lexists(folder):
-            _check_replaceable(folder, suffixes)
+            _check_replaceable(folder, known)
         new.mkdir()
         for name, data in files.items():
             _replace(new / name, data, None, None)
@@ -109,16 +109,34 @@ def write_folder(path: str | os.PathLike[str], files: Mapping[str, Content]) -> 
             shutil.rmtree(left, ignore_errors=True)
 
 
+def check_folder(path: str | os.PathLike[str]) -> None:
+    """Check that a folder can be written at a path, as far as can be seen.
+
+    Raises:
+        GridgenError: if a file has this name, or the folder around it is missing or without permission.
+    """
+    folder = Path(os.path.realpath(file_name(path)))
+    if not os.path.isdir(folder.parent):
+        raise GridgenError(f"cannot write {shown(path)}: the folder {folder.parent} does not exist; make it first")
+    if os.path.lexists(folder) and not os.path.isdir(folder):
+        raise GridgenError(f"cannot write the folder {shown(path)}: a file has this name; remove it first")
+    if not os.access(folder.parent, os.W_OK):
+        denied = os.strerror(errno.EACCES)
+        raise GridgenError(
+            f"cannot write {shown(path)}: {denied}; check the permissions of the folder around it, or write elsewhere"
+        )
+
+
 def _pieces(data: Content) -> Iterable[bytes]:
     return (data,) if isinstance(data, bytes) else data
 
 
-def _check_replaceable(folder: Path, suffixes: set[str]) -> None:
-    """Refuse to replace what holds anything but files of these suffixes."""
+def _check_replaceable(folder: Path, known: set[str]) -> None:
+    """Refuse to replace what holds anything but files of these suffixes, or names."""
     if not folder.is_dir():
         raise GridgenError(f"cannot write the folder {shown(folder)}: a file has this name; remove it first")
     for inside in sorted(folder.iterdir()):
-        if inside.suffix not in suffixes or not inside.is_file() or inside.is_symlink():
+        if (inside.suffix or inside.name) not in known or not inside.is_file() or inside.is_symlink():
             raise GridgenError(
                 f"cannot replace the folder {shown(folder)}: it also holds {quoted(inside.name)}, which was not "
                 "written here; move that, or write elsewhere"

@@ -26,12 +26,10 @@ from .output import report
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 def convert(source: str, target: str, layout: bool, read_form: str | None, write_form: str | None, quiet: bool) -> None:
     """Read the grid in IN and write it to OUT, in the format that its suffix selects."""
-    from ..atomic import check_target
     from ..io import check_written, read, write
     from ..topology import MultiBlock
 
     check_written(target, form=write_form or "")
-    check_target(target)
     made = read(source, layout=layout, form=read_form or "")
     write(made, target, form=write_form or "")
     blocks = made.blocks if isinstance(made, MultiBlock) else (made,)

@@ -48,8 +48,8 @@ def check_outputs(output: str | None, plot: str | None) -> None:
 
     if output:
         check_written(output)
-    for path in filter(None, (output, plot)):
-        check_target(path)
+    if plot:
+        check_target(plot)
     if plot and Path(plot).suffix.lower() not in _PICTURES:
         raise GridgenError(f"cannot write {plot}: a picture's suffix must be one of {', '.join(_PICTURES)}")
     if plot and find_spec("matplotlib") is None:

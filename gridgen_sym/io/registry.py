@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 
-from ..atomic import file_name, read_start, shown
+from ..atomic import check_folder, check_target, file_name, read_start, shown
 from ..errors import GridgenError, MissingExtraError, quoted
 from . import formats
 from .format import Format, Storage
@@ -77,7 +77,7 @@ def _by_suffix(path: str | os.PathLike[str], *, written: bool) -> Format:
     """Return the format that the suffix of a path selects; where several have it, that which recognizes the file."""
     suffix = suffix_of(path)
     fitting = [form for form in known_formats().values() if suffix in form.suffixes]
-    if not fitting:
+    if not fitting or (suffix in _DESCRIPTIONS and not written):
         known = ", ".join(f"{form.suffixes[0]} ({form.name})" for form in _usable(written=written))
         what = f"the suffix '{suffix}' is unknown" if suffix else "it has no suffix"
         if suffix in _DESCRIPTIONS:
@@ -106,7 +106,7 @@ def holds_grid(path: str | os.PathLike[str]) -> bool:
 
 
 def check_written(path: str | os.PathLike[str], blocks: int | None = None, form: str = "") -> None:
-    """Refuse, before any work is done, a file that cannot be written: its format, or a package that it needs.
+    """Refuse, before any work is done, what cannot be written: its format, its place, or a package that it needs.
 
     Args:
         path: the file.
@@ -114,7 +114,8 @@ def check_written(path: str | os.PathLike[str], blocks: int | None = None, form:
         form: as for `format_for`.
 
     Raises:
-        GridgenError: for an unknown suffix, or a format that holds one block where there are several.
+        GridgenError: for an unknown suffix, a format that holds one block where there are several, or a path at which
+            no such file can be written.
         MissingExtraError: for a package that is not installed.
     """
     chosen, _ = format_for(path, form, written=True)
@@ -124,5 +125,6 @@ def check_written(path: str | os.PathLike[str], blocks: int | None = None, form:
             f"cannot write {shown(path)}: a {chosen.name} holds one block, and here are {blocks}; use one "
             f"of {known}, or write each of layout.blocks"
         )
+    (check_folder if chosen.storage is Storage.FOLDER else check_target)(path)
     if chosen.extra and find_spec(chosen.extra[1]) is None:
         raise MissingExtraError(f"writing a {chosen.name}", *chosen.extra)

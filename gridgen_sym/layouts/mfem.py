@@ -20,7 +20,7 @@ from .lagrange import lobatto_points
 _SQUARE, _SEGMENT = "3", "1"
 _COLLECTION = re.compile(r"H1_2D_P(\d+)")
 _NAMED_ORDERS = {"Linear": 1, "Quadratic": 2}
-_SECTIONS = ("dimension", "elements", "boundary", "vertices", "nodes")
+_SECTIONS = ("dimension", "elements", "attribute_sets", "boundary", "bdr_attribute_sets", "vertices", "nodes")
 
 
 @dataclass(frozen=True, slots=True)
