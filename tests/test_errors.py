@@ -72,7 +72,6 @@ LAYOUT, VALUES = gg.MultiBlock([SQUARE, gg.Grid.from_planes(SQUARE.x + 1, SQUARE
 FOR_ONE_BLOCK = {
     "adapt": lambda: gg.adapt(LAYOUT, "x"),
     "continuation": lambda: gg.continuation(LAYOUT, "quasi_harmonic", "omega", [1, 0.1]),
-    "certificates": lambda: gg.certificates(LAYOUT),
     "sliver_certificate": lambda: gg.sliver_certificate(LAYOUT),
     "plot_certificates": lambda: gg.plot_certificates(LAYOUT),
     "equidistribution": lambda: gg.equidistribution(LAYOUT, "x"),

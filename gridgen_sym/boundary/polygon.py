@@ -20,9 +20,11 @@ def is_clockwise(points: Array) -> bool:
     return area_sign(points) < 0
 
 
-def first_repeated(points: Array) -> int | None:
-    """Return the first k for which point k+1 (cyclically) equals point k, or None."""
+def first_repeated(points: Array, among: NDArray[np.bool_] | None = None) -> int | None:
+    """Return the first k, of those that are `among`, for which point k+1 (cyclically) equals point k, or None."""
     same = (points == np.roll(points, -1, axis=0)).all(axis=1)
+    if among is not None:
+        same &= among
     return int(same.argmax()) if same.any() else None
 
 

@@ -30,7 +30,7 @@ def boundary_proofs(grid: Grid, check: Callable[[], object] | None = None) -> li
     """Return the certificates that need no search; what `check`, called where it takes long, raises ends the work."""
     index = boundary_indices(*grid.shape)
     ring = np.ascontiguousarray(grid.planes[:, index[:, 0], index[:, 1]].T)
-    found = _coincident(ring, index)
+    found = certify_coincident(ring, index)
     if found:
         return found
     turn, back = turns(ring)
@@ -38,13 +38,15 @@ def boundary_proofs(grid: Grid, check: Callable[[], object] | None = None) -> li
         found = _crossing(ring, index, None if back.any() else float(turn.sum()), check)
         if not found and area_sign(ring) <= 0:
             return [_clockwise(ring)]
-        found += _corners(ring, index, grid.shape) + _spikes(ring, index, turn, back, grid.shape)
+        found += certify_corners(ring, index, grid.shape) + certify_spikes(ring, index, turn, back, grid.shape)
         return found or _necks(grid, check)
 
 
-def _coincident(ring: Array, index: NDArray[np.intp]) -> list[Certificate]:
-    """Certify an edge of the boundary without length: both corners at it have J = 0."""
-    k = first_repeated(ring)
+def certify_coincident(
+    ring: Array, index: NDArray[np.intp], among: NDArray[np.bool_] | None = None
+) -> list[Certificate]:
+    """Certify an edge of the boundary without length, of those that are `among`: both corners at it have J = 0."""
+    k = first_repeated(ring, among)
     if k is None:
         return []
     nodes, point = _nodes(index, k, k + 1), point_of(ring[k])
@@ -127,7 +129,7 @@ def _clockwise(ring: Array) -> Certificate:
     return Certificate("clockwise", (), point_of(ring.mean(axis=0)), {}, message)
 
 
-def _corners(ring: Array, index: NDArray[np.intp], shape: tuple[int, int]) -> list[Certificate]:
+def certify_corners(ring: Array, index: NDArray[np.intp], shape: tuple[int, int]) -> list[Certificate]:
     """Certify logical corners whose three nodes, all fixed, do not turn to the left: J <= 0 there in every grid."""
     at = _corner_positions(*shape)
     previous, following = ring[at - 1], ring[(at + 1) % len(ring)]
@@ -147,7 +149,7 @@ def _corners(ring: Array, index: NDArray[np.intp], shape: tuple[int, int]) -> li
     return found
 
 
-def _spikes(
+def certify_spikes(
     ring: Array, index: NDArray[np.intp], turn: Array, back: NDArray[np.bool_], shape: tuple[int, int]
 ) -> list[Certificate]:
     """Certify nodes on a side where the boundary runs back on itself: two cells cannot share an angle of 0 or 360."""

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import overload
 
 import numpy as np
 
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
 from ..grids.grid import Grid, check_grid
+from ..topology import MultiBlock
 from .boundary_proofs import boundary_proofs
 from .branching import DEFAULT_BUDGET, Conflict
 from .certificate import Certificate, Numbers, point_of, point_text
 from .constraint_network import nodes_of
+from .layout_proofs import layout_certificates
 from .node_constraints import Node
 from .search import find_conflict, find_sliver
 
@@ -20,14 +24,26 @@ from .search import find_conflict, find_sliver
 _MOST_NAMED = 6
 
 
+@overload
+def certificates(
+    grid: Grid, *, search: bool = False, budget: int = ..., check: Callable[[], object] | None = None
+) -> tuple[Certificate, ...]: ...
+
+
+@overload
+def certificates(
+    grid: MultiBlock, *, search: bool = False, budget: int = ..., check: Callable[[], object] | None = None
+) -> dict[str, tuple[Certificate, ...]]: ...
+
+
 @renamed_arguments(work="budget")
 def certificates(
-    grid: Grid,
+    grid: Grid | MultiBlock,
     *,
     search: bool = False,
     budget: int = DEFAULT_BUDGET,
     check: Callable[[], object] | None = None,
-) -> tuple[Certificate, ...]:
+) -> tuple[Certificate, ...] | dict[str, tuple[Certificate, ...]]:
     """Return proofs that no valid grid has the boundary nodes of a grid. The inner nodes do not matter.
 
     A grid is valid if all four corner Jacobians of every cell are positive. Boundary nodes are fixed at their stored
@@ -36,17 +52,29 @@ def certificates(
 
     Consequences of another certificate are not listed: a clockwise boundary also has four wrong corners.
 
+    Of several blocks the outer boundary is fixed, and nodes on connections move. So a block whose whole boundary is
+    an outer one has all proofs, and blocks that make up a plain grid have those of that grid; of other blocks there are
+    only the kinds 'coincident', 'corner' and 'spike', at nodes of the outer boundary whose neighbors on it are of the
+    same block.
+
     Args:
-        grid: any grid with the boundary in question, such as `transfinite(bottom, top, left, right)`.
+        grid: any grid with the boundary in question, such as `transfinite(bottom, top, left, right)`; or several
+            blocks.
         search: if there is no quick proof, search near the folded cells of `grid` for cells that cannot all be valid.
             This succeeds most often for a grid with few folded cells, as `untangle` returns it.
         budget: how many constraints each of the few attempts of the search may apply, at about 50 microseconds each.
             The default takes a few seconds; hard boundaries need a hundred times as many, or stay undecided.
         check: called at most a few tenths of a second apart once the search begins; what it raises ends it.
 
+    Returns:
+        The proofs. Of several blocks they are by block: a mapping from names, without the blocks that have none; the
+        name of blocks that are one grid is `a + b`, or `a + ... + z` of many.
+
     Raises:
-        GridgenError: if `grid` is no Grid, or `budget` no positive integer.
+        GridgenError: if `grid` is no grid, or `budget` no positive integer.
     """
+    if isinstance(grid, MultiBlock):
+        return layout_certificates(grid, partial(certificates, search=search, budget=budget, check=check))
     budget = _check_arguments(grid, budget)
     found = boundary_proofs(grid, check)
     if search and not found:

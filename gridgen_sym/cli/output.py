@@ -100,15 +100,19 @@ def certify_and_draw(
 ) -> None:
     """Report the proofs that the boundary of a folded grid admits no valid one, and draw it, or these.
 
-    The `result` of a solver has its own certificates. Those of several blocks have none: nodes on connections move.
+    The `result` of a solver has its own certificates.
     """
     from ..certificates import certificates
-    from ..grids import quality as measure
     from ..plotting import plot_certificates, plot_grid
     from ..solvers import LayoutResult
     from ..topology import MultiBlock
+    from ..topology import quality as measure
 
     if isinstance(made, MultiBlock) or isinstance(result, LayoutResult):
+        if isinstance(made, MultiBlock) and result is None and not measure(made).valid:
+            for name, proofs in certificates(made, search=True).items():
+                for certificate in proofs:
+                    click.secho(f"block {name}: {certificate.message}", fg="red", err=True)
         if plot:
             plot_grid(made, plot, title=title, under=under)
             report(quiet, f"wrote {plot}")

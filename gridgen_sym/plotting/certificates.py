@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..certificates.certificate import Certificate
 from ..certificates.proofs import certificates
 from ..errors import GridgenError
-from ..grids.grid import Grid
+from ..grids.grid import Grid, check_grid
 from .grids import ALARM, check_drawable, draw_grid, new_figure, save
 from .under import draw_under
 
@@ -60,6 +60,7 @@ def plot_certificates(
         GridgenError: if there is no certificate, and as for `plot_grid`.
         MissingExtraError: if Matplotlib is not installed.
     """
+    check_grid(grid)
     check_drawable(grid)
     found = certificates(grid, search=True) if found is None else found
     if not found:

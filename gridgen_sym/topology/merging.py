@@ -15,6 +15,8 @@ from .connection import IDENTITY, Connection, Motion, SidePart
 from .copies import Bond
 from .multiblock import MultiBlock
 
+#: Of more blocks that are put together not all are named.
+_MOST_NAMED = 8
 #: A whole side of a block.
 Side = tuple[int, str]
 _NAMES = Sides._fields
@@ -119,13 +121,22 @@ def merge(layout: MultiBlock) -> Merged:
     merged = [np.empty((2, cluster.cells.shape[0] + 1, cluster.cells.shape[1] + 1)) for cluster in clusters]
     for place, grid in zip(places, layout.blocks, strict=True):
         place.view(merged[place.block], grid.shape)[...] = grid.planes
-    grids = [Grid.from_planes(*planes) for planes in merged]
+    names = [
+        joined_names(layout, [k for k, place in enumerate(places) if place.block == m]) for m in range(len(merged))
+    ]
+    grids = {name: Grid.from_planes(*planes) for name, planes in zip(names, merged, strict=True)}
     bonds = []
     for bond in layout.bonds:
         if (bond.one.block, bond.one.side) not in inside:
             one, other = (_moved_part(part, places, shapes, clusters) for part in (bond.one, bond.other))
             bonds.append(Bond(one, other, bond.motion))
     return Merged(MultiBlock(grids, [_connection(bond) for bond in _joined(bonds)]), shapes, places)
+
+
+def joined_names(layout: MultiBlock, blocks: Sequence[int]) -> str:
+    """Return a name for some of the blocks together; of many the first and the last are named."""
+    names = [layout.names[block] for block in blocks]
+    return " + ".join(names if len(names) <= _MOST_NAMED else [names[0], "...", names[-1]])
 
 
 def _clusters(layout: MultiBlock, shapes: Sequence[tuple[int, int]]) -> tuple[list[_Cluster], set[Side]]:

@@ -7,11 +7,12 @@ from dataclasses import fields, replace
 
 from ...arrays import Array
 from ...boundary.slide_curve import SlideCurve
+from ...certificates import certificates
 from ...functionals.definition import Functional
 from ...functionals.metric import LOGICAL_NAMES
 from ...grids import Grid, corner_jacobians
 from ...topology import MultiBlock
-from ...topology.merging import Merged
+from ...topology.merging import Merged, joined_names
 from ..binding import make_problem
 from ..multilevel.nested import coarse_shapes
 from ..multilevel.prolongation import is_transfinite
@@ -86,9 +87,10 @@ def of_all_blocks(solve: Callable[[], LayoutResult | Result], layout: MultiBlock
         blocks = found.grid.blocks if isinstance(found, LayoutResult) else [found.grid]
         grid = layout.moved(merged.split([block.planes for block in blocks]))
         if isinstance(found, LayoutResult):
-            return replace(found, grid=grid)
-        kept = {one.name: getattr(found, one.name) for one in fields(LayoutResult) if one.name != "grid"}
-        return LayoutResult(grid=grid, **kept)
+            return replace(found, grid=grid, certificates=certificates(grid) if found.certificates else {})
+        kept = {one.name: getattr(found, one.name) for one in fields(LayoutResult)}
+        proofs = {joined_names(layout, range(len(layout))): found.certificates} if found.certificates else {}
+        return LayoutResult(**kept | {"grid": grid, "certificates": proofs})
 
     try:
         return taken_apart(solve())

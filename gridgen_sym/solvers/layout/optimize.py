@@ -163,6 +163,9 @@ def optimize_layout(
                 )
                 return minimize_with_walls(run, asked, lambda targets: make(grid, targets), minimized)
             folded = problem.kernels.barrier and not problem.energy(run.coordinates)[1] > 0
+            end = run.impossible() if folded else None
+            if end is not None:
+                return end
             if limit and fixed is None:
                 start = NestedLayouts(make, definition, parameters, report).start(run.present, problem)
                 run.take(start, folded=folded)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
+from ...certificates import Certificate
 from ...topology import MultiBlock
 from ...topology.quality import LayoutQuality, quality
 from ..run.ended import Iterated
@@ -24,6 +26,8 @@ class LayoutResult(Iterated):
         energy: the discrete energy of `grid`, over all corners of all cells.
         history: one entry per iteration of the last stage; the shape of a step is the number of its nodes, and 1.
         untangled_by: what made a folded start valid; empty where the start was valid, or the result is folded.
+        certificates: proofs that no valid grid has this outer boundary, by block, as `gridgen_sym.certificates` finds
+            them; of a valid result, and where outer nodes slide, there are none.
     """
 
     grid: MultiBlock
@@ -34,6 +38,7 @@ class LayoutResult(Iterated):
     energy: float
     history: tuple[Step, ...]
     untangled_by: str = ""
+    certificates: Mapping[str, tuple[Certificate, ...]] = field(default_factory=dict)
 
     @property
     def quality(self) -> LayoutQuality:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...arrays import Array
+from ...certificates import certificates
 from ...topology import MultiBlock
 from ...topology.quality import quality
 from ..harmonic import move_sides
@@ -51,6 +52,12 @@ class LayoutRun:
         """The layout with the nodes where they are now."""
         return self.layout.moved(self.problem.exchange.views(self.coordinates))
 
+    def impossible(self) -> Outcome | None:
+        """Return how a folded run ends if a quick proof shows that no valid grid has its outer boundary; else None."""
+        if self.problem.slide is not None or not certificates(self.present):
+            return None
+        return Outcome(Status.IMPOSSIBLE, "untangling was not tried; this is the start.")
+
     def result(self, outcome: Outcome) -> LayoutResult:
         """Return the result, which reports folded cells."""
         self.problem.refresh(self.coordinates)
@@ -59,9 +66,12 @@ class LayoutRun:
         valid, status, message = not self.problem.folds(self.coordinates).cells, outcome.status, outcome.message
         if self.untangled_by:
             message = f"The grid was folded at the start and was untangled first ({self.untangled_by}): {message}"
+        proofs = {} if valid or self.problem.slide is not None else certificates(grid)
         if not valid:
-            status = status if status.stop_reason else Status.FOLDED
+            if not status.stop_reason:
+                status = Status.IMPOSSIBLE if proofs else Status.FOLDED
             message = f"{message} {quality(grid).describe_folds()}"
+            message += "".join(f"\nBlock {name}: {one}" for name, found in proofs.items() for one in found)
         if self.problem.slide is not None:
             message += self.problem.slide.caution(self.coordinates)
         return LayoutResult(
@@ -73,6 +83,7 @@ class LayoutRun:
             energy=self.problem.energy(self.coordinates)[0],
             history=tuple(self.report.history),
             untangled_by=self.untangled_by,
+            certificates=proofs,
         )
 
     def take(self, start: Array, *, folded: bool) -> None:

@@ -89,6 +89,9 @@ def untangle_layout(
 
         def solve() -> Outcome:
             folded = not problem.energy(run.coordinates)[1] > 0
+            end = run.impossible() if folded else None
+            if end is not None:
+                return end
             if folded and fixed is None:
                 run.take(NestedLayouts(make, definition, parameters, report).start(run.present, problem), folded=True)
             report.begin("untangle", (grid.node_count, 1))

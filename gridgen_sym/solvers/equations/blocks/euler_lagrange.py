@@ -110,6 +110,9 @@ def solve_layout_euler_lagrange(
                 minimize_with_walls(run, asked, lambda targets: make(grid, targets), near_minimum)
             elif limit and run.problem.kernels.barrier:
                 folded = not run.problem.energy(run.coordinates)[1] > 0
+                end = run.impossible() if folded else None
+                if end is not None:
+                    return end
                 if fixed is None:
                     nested = NestedLayouts(make, definition, parameters, report)
                     run.take(nested.start(grid, run.problem), folded=folded)
