@@ -71,6 +71,8 @@ if TYPE_CHECKING:
     from .functionals import define as define
     from .functionals import functional as functional
     from .functionals import functionals as functionals
+    from .geography import Projection as Projection
+    from .geography import project as project
     from .grids import Change as Change
     from .grids import Deviation as Deviation
     from .grids import Grid as Grid
@@ -80,6 +82,8 @@ if TYPE_CHECKING:
     from .grids import corner_jacobians as corner_jacobians
     from .grids import transfinite as transfinite
     from .layouts import read_layout as read_layout
+    from .ocean import OceanGrid as OceanGrid
+    from .ocean import ocean_grid as ocean_grid
     from .plotting import plot_certificates as plot_certificates
     from .plotting import plot_grid as plot_grid
     from .plotting import plot_grids as plot_grids
@@ -116,8 +120,10 @@ _PACKAGES = {
     "codegen.backend": "Backend register_backend",
     "fields": "Field SampledField Target WallRemark Weight raster_field scattered_field",
     "functionals": "Functional define functional functionals",
+    "geography": "Projection project",
     "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians transfinite",
     "layouts": "read_layout",
+    "ocean": "OceanGrid ocean_grid",
     "plotting": "plot_certificates plot_grid plot_grids view_grid",
     "topology": "Connection LayoutQuality MultiBlock quality",
     "topology.shapes": "layout layout_names",

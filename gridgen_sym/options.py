@@ -113,12 +113,20 @@ OUTLINE = _table(
     ),
     Option("spacing", "Laws for the boundary nodes of sides"),
     Option("reorient", "Whether a clockwise curve is reversed", bool, default=True, unset="reorient"),
+    Option("crs", "Plane onto which longitude and latitude are projected"),
 )
 
 #: Of `read` and `write`.
 FILES = _table(
     Option("layout", "Connect the sides of a file of one block, too: the cut of a C- or O-grid", bool, default=False),
     Option("form", "Words that select a format, or a variant of one"),
+)
+
+#: Of `ocean_grid`.
+OCEAN = _table(
+    Option("depth", "Depth in meters, positive downwards"),
+    Option("min_depth", "Least depth in meters, also on land", float, default=1.0),
+    Option("land", "Where there is land, besides islands"),
 )
 
 #: Of `airfoil_grid`.

@@ -18,11 +18,12 @@ LONGEST_FILE = 500
 #: A package imports only what stands before it, but for the packages on the ground, which import only each other.
 ORDER = (
     *("functionals", "symbolic", "codegen", "runtime", "backends"),
-    *("grids", "outlines", "boundary", "topology", "certificates", "io", "fields", "layouts", "plotting"),
+    *("grids", "geography", "ocean", "outlines", "boundary", "topology", "certificates", "io"),
+    *("fields", "layouts", "plotting"),
     *("solvers", "adaptation", "selfcheck", "paper_examples", "documentation", "cli"),
 )
 #: They know nothing of functionals and kernels.
-GROUND = {"grids", "outlines", "boundary", "topology", "certificates", "io"}
+GROUND = {"grids", "geography", "ocean", "outlines", "boundary", "topology", "certificates", "io"}
 #: The order within a package that has packages of its own.
 INNER_ORDER = {
     "symbolic": ("derive", "classify", "report", "paper"),

@@ -51,7 +51,7 @@ def test_samples_in_a_file_are_a_weight(file, mode):
     [
         (("--weight", "nodes.npz", "--weight-mode", "differentiated"), "an array of weights has no derivatives"),
         (("--weight", "gone.csv"), "cannot read gone.csv: there is no such file"),
-        (("--weight", "a.vts"), "cannot read the field a.vts: a field is a formula in x and y, or a .npz or .csv file"),
+        (("--weight", "a.vts"), "cannot read the field a.vts: a field is a formula in x and y, FILE.nc:VARIABLE, or"),
         (("--weight", "samples.txt"), "cannot read the field samples.txt: a field is a formula"),
         (("--weight", "1 + z"), "the weight: unknown name 'z'"),
         (("--weight-mode", "frozen"), "need a --weight FIELD"),

@@ -12,7 +12,7 @@ import pytest
 import gridgen_sym as gg
 from gridgen_sym.adaptation.monitor import _MEASURES
 from gridgen_sym.cli import main
-from gridgen_sym.options import ADAPTATION, AIRFOIL, FILES, OUTLINE, PICTURES, SAMPLES, SOLVERS, WEIGHT, Option
+from gridgen_sym.options import ADAPTATION, AIRFOIL, FILES, OCEAN, OUTLINE, PICTURES, SAMPLES, SOLVERS, WEIGHT, Option
 
 #: (a function or class, the table of its arguments, which of them have another name there).
 CALLED = [
@@ -30,6 +30,7 @@ CALLED = [
     (gg.plot_grid, PICTURES, {}),
     (gg.plot_certificates, PICTURES, {}),
     (gg.view_grid, PICTURES, {}),
+    (gg.ocean_grid, OCEAN, {}),
     (gg.read, FILES, {}),
     (gg.write, FILES, {}),
 ]

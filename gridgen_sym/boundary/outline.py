@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike
 from ..arrays import Array
 from ..atomic import write_bytes
 from ..errors import GridgenError
+from ..geography import Projection
 from ..grids.grid import Grid, check_counts
 from ..messages import report
 from ..outlines import read_content
 from .corners import CornerChoice, Corners, automatic_corners
 from .outline_checks import checked_corners, checked_islands, checked_points, crossing_text, run_backwards
+from .outline_places import projected
 from .outline_sides import automatic_choice, check_sampling, corner_choice, rolled, sampled_sides
 from .polygon import first_crossing, first_repeated, is_clockwise
 from .sampling import Sampling
@@ -41,12 +43,14 @@ class Outline:
         corners: the indices of the four corners.
         name: what to call it in messages.
         islands: closed curves inside, each (n, 2), read-only: a grid runs across them, for a mask to cover.
+        projection: of longitude and latitude onto the plane in which the points are; None for a plane of its own.
     """
 
     points: Array
     corners: Corners
     name: str
     islands: tuple[Array, ...]
+    projection: Projection | None
 
     def __init__(
         self,
@@ -56,6 +60,7 @@ class Outline:
         *,
         reorient: bool = True,
         islands: Sequence[ArrayLike] = (),
+        projection: Projection | None = None,
     ) -> None:
         """Copy and check an outline.
 
@@ -72,6 +77,7 @@ class Outline:
             reorient: whether a clockwise curve is reversed, from its second corner, which is reported: bottom and top
                 stay on their curves, left and right are exchanged. Without it such a curve is refused.
             islands: closed curves inside, each (n, 2), that a mask is to cover.
+            projection: by which the points came into their plane, to be found again as an attribute.
 
         Raises:
             GridgenError: naming the outline, the fault, its position and the repair.
@@ -94,7 +100,8 @@ class Outline:
             array, checked = rolled(array, automatic_corners(array, _NOMINAL, _NOMINAL))
         array.setflags(write=False)
         around = checked_islands(islands, name)
-        for field, value in (("points", array), ("corners", checked), ("name", name), ("islands", around)):
+        made = {"points": array, "corners": checked, "name": name, "islands": around, "projection": projection}
+        for field, value in made.items():
             object.__setattr__(self, field, value)
 
     @classmethod
@@ -104,6 +111,7 @@ class Outline:
         *,
         corners: ArrayLike | Literal["auto"] | None = None,
         reorient: bool = True,
+        crs: str | None = None,
     ) -> Outline:
         """Read an outline from a file: a table of points, or another of the formats of `gridgen-sym formats`.
 
@@ -116,11 +124,13 @@ class Outline:
             corners: corners of the outline instead of those of the file, which then need not have any; as for
                 `Outline`.
             reorient: as for `Outline`.
+            crs: plane onto which longitude and latitude are projected: `auto`, or a system such as `EPSG:32616`; see
+                `gridgen_sym.project`. Without it coordinates are those of a plane.
 
         Raises:
             GridgenError: if the file is missing or malformed (with the line's number), or its curve is no
                 outline.
-            MissingExtraError: if the package is not installed that reads the format.
+            MissingExtraError: if the package is not installed that reads the format, or projects.
         """
         found = read_content(path)
         chosen = found.corners if corners is None else corners
@@ -130,7 +140,9 @@ class Outline:
                 "let them be chosen with corners='auto' (--corners auto)"
             )
         try:
-            return cls(found.points, chosen, found.name or Path(path).stem, reorient=reorient, islands=found.islands)
+            projection, points, islands = projected(found, crs)
+            name = found.name or Path(path).stem
+            return cls(points, chosen, name, reorient=reorient, islands=islands, projection=projection)
         except GridgenError as error:
             raise GridgenError(f"cannot use {path}: {error}") from error
 

@@ -11,6 +11,7 @@ import click
 from ..options import ADAPTATION
 from .base import functionals_option
 from .field import field_of, outside_option
+from .ocean import Ocean, ocean_options
 from .options import option
 from .output import Announcement, certify_and_draw, check_outputs, report, under_of, under_option
 from .start import parameters_of, start_grid, start_options
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 @click.command(cls=SizedCommand)
 @click.argument("input")
-@click.option("--to", required=True, metavar="FIELD", help="A formula in x and y, or a .npz or .csv file; see above.")
+@click.option("--to", required=True, metavar="FIELD", help="A formula in x and y, or a file; see above.")
 @outside_option
 @option(ADAPTATION["monitor"], more="; 'values' takes FIELD itself")
 @option(ADAPTATION["feature_fraction"])
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 @click.option(
     "-o", "--output", metavar="OUT", help="Write the grid: .vts, .npz, .cgns, ...; see 'gridgen-sym formats'."
 )
+@ocean_options
 @click.option("--plot", metavar="PNG", help="Draw the grid: .png, .svg or .pdf.")
 @under_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
@@ -61,7 +63,8 @@ def adapt(
     """Adapt the grid INPUT to FIELD: a classical domain, an outline or a grid file.
 
     FIELD is a formula such as 'tanh(50*(x + y - 1))'; a .npz file with arrays x, y and values (nx, ny), or with values
-    (ni, nj) at the nodes of INPUT; or a .csv file with the header x,y,value. No cell folds on the way.
+    (ni, nj) at the nodes of INPUT; a variable of a netCDF file, bathy.nc:depth; or a .csv file with the header
+    x,y,value. No cell folds on the way.
     """
     from ..adaptation import Monitor
     from ..adaptation import adapt as run
@@ -71,21 +74,24 @@ def adapt(
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
         options["progress"] = False
     check_outputs(output, plot)
-    drawn = under_of(under, plot)
     fraction = share if feature_fraction is None else feature_fraction
     of_monitor = {"measure": monitor, "feature_fraction": fraction, "smoothing": smoothing}
     chosen = Monitor(**{name: value for name, value in of_monitor.items() if value is not None})  # type: ignore[arg-type]
-    field = field_of(to, smooth=monitor != "values", outside=outside)
-    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient")}
+    boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "crs")}
+    deep = {key: options.pop(key) for key in ("depth", "min_depth", "land")}
     given = {key: value for key, value in options.items() if value is not None}
     given["parameters"] = parameters_of(given.get("functional", ADAPTATION["functional"].default), parameters)
-    start = cast("Grid", start_grid(input, **boundary))  # Several blocks are refused by `run`.
+    begun = start_grid(input, **boundary)
+    drawn = under_of(under, plot, begun.projection)
+    start = cast("Grid", begun.grid)  # Several blocks are refused by `run`.
+    field = field_of(to, smooth=monitor != "values", outside=outside, projection=begun.projection)
+    ocean = Ocean(output, begun.projection, begun.islands, outside, **deep)
     begin = Announcement(quiet, input, start)
     result = run(start, field, monitor=chosen, callback=begin, **given)
     begin()
     _report(result, quiet)
     if output:
-        result.grid.write(output)
+        ocean.write(result.grid)
         report(quiet, f"wrote {output}")
     certify_and_draw(result.grid, plot, f"{Path(input).stem}, adapted", quiet, under=drawn)
     if result.stopped_by is StopReason.USER:

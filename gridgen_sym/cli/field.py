@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import io
-import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..atomic import read_bytes
-from ..errors import GridgenError, quoted, shortened
+from ..errors import GridgenError, quoted
 from ..options import SAMPLES
 from ..parsing import number_in
 from .options import option
+from .samples import source_of
 
 if TYPE_CHECKING:
     from ..fields import Field, Target
     from ..fields.outside import Outside
     from ..fields.scalar import Source
+    from ..geography import Projection
 
-_FILES = "a field is a formula in x and y, or a .npz or .csv file with a raster, samples or values at the nodes"
-_ARRAYS = "expected the arrays x (nx,), y (ny,) and values (nx, ny), or values (ni, nj) at the nodes of the start"
-_SAMPLES = "expected the header x,y,value and one sample per line"
-#: A cubic needs so many samples; its slopes are what most monitors look at.
-_FEWEST_SMOOTH = 4
 _OUTSIDE = SAMPLES["outside"]
 #: Adds `--outside` to a command.
 outside_option = option(_OUTSIDE, more=" of a file, or take the nearest sample", default=_OUTSIDE.default)
@@ -37,8 +31,12 @@ _TARGET = (
 )
 
 
-def fields_of(texts: Iterable[str], outside: Outside = "error") -> dict[str, Field]:
+def fields_of(
+    texts: Iterable[str], outside: Outside = "error", projection: Projection | None = None
+) -> dict[str, Field]:
     """Return the fields that texts such as `M=(1 + x**2, 0, 1)` give, by name; `outside` is that of samples.
+
+    Samples in files are in longitude and latitude where there is a projection.
 
     Raises:
         GridgenError: for other texts, a name that comes twice, or a file that cannot be read.
@@ -56,13 +54,13 @@ def fields_of(texts: Iterable[str], outside: Outside = "error") -> dict[str, Fie
         if name in found:
             raise GridgenError(f"--field gives {name} twice: give each field once")
         smooth = how == "differentiated"
-        parts = [_source(part, smooth, outside) for part in _parts(value)]
+        parts = [source_of(part, smooth=smooth, outside=outside, projection=projection) for part in _parts(value)]
         source: Any = parts[0] if len(parts) == 1 else tuple(parts)
         found[name] = Field(source, "logical" if how == "logical" else "physical", how if smooth else "frozen")  # type: ignore[arg-type]
     return found
 
 
-def target_of(text: str | None) -> Target | dict[str, Target] | None:
+def target_of(text: str | None, projection: Projection | None = None) -> Target | dict[str, Target] | None:
     """Return the target that `--target` gives: the cells of a grid file, or two lengths and an angle.
 
     Of a file of several blocks there is one for each, by name.
@@ -77,13 +75,13 @@ def target_of(text: str | None) -> Target | dict[str, Target] | None:
         return None
     parts = _parts(text)
     if len(parts) in (1, 2) and Path(parts[0]).suffix.lower() in known_suffixes():
-        return _target_of_file(*parts)
+        return _target_of_file(projection, *parts)
     if len(parts) in (2, 3):
         return Target(*parts)
     raise GridgenError(f"{_TARGET}; came {quoted(text)}")
 
 
-def _target_of_file(path: str, angle: str | None = None) -> Target | dict[str, Target]:
+def _target_of_file(projection: Projection | None, path: str, angle: str | None = None) -> Target | dict[str, Target]:
     """Return the target of a grid file, at an angle in degrees."""
     from ..fields import Target
     from ..io import read
@@ -97,7 +95,7 @@ def _target_of_file(path: str, angle: str | None = None) -> Target | dict[str, T
     if isinstance(made, MultiBlock):
         named = zip(made.names, made.blocks, strict=True)
         return {name: Target.of(block, degrees) for name, block in named}
-    return Target.of(made, degrees)
+    return Target.of(made if projection is None else projection.grid_to_plane(made), degrees)
 
 
 def control_of(text: str) -> Any:  # noqa: ANN401 - two formulas, or a name
@@ -117,18 +115,19 @@ def control_of(text: str) -> Any:  # noqa: ANN401 - two formulas, or a name
     )
 
 
-def field_of(text: str, *, smooth: bool, outside: Outside = "error") -> Source:
+def field_of(text: str, *, smooth: bool, outside: Outside = "error", projection: Projection | None = None) -> Source:
     """Return what `--to` or `--weight` names, as `as_scalar` takes it: a formula, samples, or numbers of one grid.
 
     Args:
-        text: the name of a .npz or .csv file, or a formula in x and y.
+        text: the name of a .npz or .csv file, `FILE.nc:VARIABLE`, or a formula in x and y.
         smooth: interpolate samples by cubics, whose slopes are continuous.
         outside: whether nodes outside of samples are refused, or have the nearest value.
+        projection: onto the plane, of files whose samples are in longitude and latitude.
 
     Raises:
         GridgenError: for a file that cannot be read, or holds something else.
     """
-    found = _source(text, smooth, outside)
+    found = source_of(text, smooth=smooth, outside=outside, projection=projection)
     if isinstance(found, tuple):
         raise GridgenError(f"cannot read the field {text}: it has {len(found)} values per sample, and one is wanted")
     return found
@@ -145,73 +144,3 @@ def _parts(text: str) -> list[str]:
         return _parts(text[1:-1])
     cuts = [k for k, sign in enumerate(text) if sign == "," and depths[k] == 0]
     return [text[a + 1 : b].strip() for a, b in zip([-1, *cuts], [*cuts, len(text)], strict=True)]
-
-
-def _source(text: str, smooth: bool, outside: Outside) -> Any:  # noqa: ANN401
-    """Return a formula as it is, and what a file holds; a tuple of what has several values per sample."""
-    suffix = Path(text).suffix.lower()
-    if suffix not in (".npz", ".csv"):
-        if _is_other_file(text, suffix):
-            raise GridgenError(f"cannot read the field {shortened(text)}: {_FILES}")
-        return text
-    data = read_bytes(text)
-    try:
-        return (_arrays if suffix == ".npz" else _samples)(data, smooth, outside)
-    except GridgenError as error:
-        raise GridgenError(f"cannot read the field {text}: {error}") from error
-
-
-def _is_other_file(text: str, suffix: str) -> bool:
-    """Return whether a text names a file that holds no field, and not a formula."""
-    from ..io import known_suffixes
-
-    return suffix in known_suffixes() or (os.path.isfile(text) and not _is_formula(text))
-
-
-def _is_formula(text: str) -> bool:
-    from ..fields.field import VARIABLES
-    from ..fields.formula import Formula
-
-    for variables in VARIABLES.values():
-        try:
-            Formula(text, variables)
-        except GridgenError:
-            continue
-        return True
-    return False
-
-
-def _arrays(data: bytes, smooth: bool, outside: Outside) -> Any:  # noqa: ANN401
-    from ..archives import read_arrays
-    from ..fields import raster_field
-
-    arrays = read_arrays(data, (("x", "y", "values"), ("values",)), _ARRAYS)
-    if "x" not in arrays:
-        return arrays["values"]
-    x, y, values = (arrays[name] for name in ("x", "y", "values"))
-    cubic = smooth and min(x.size, y.size) >= _FEWEST_SMOOTH
-    if values.ndim == 3:
-        return tuple(raster_field(x, y, one, smooth=cubic, outside=outside) for one in values)
-    return raster_field(x, y, values, smooth=cubic, outside=outside)
-
-
-def _samples(data: bytes, smooth: bool, outside: Outside) -> Any:  # noqa: ANN401
-    import numpy as np
-
-    from ..fields import scattered_field
-
-    header, _, rows = data.decode("utf-8-sig", errors="replace").partition("\n")
-    columns = header.strip().lower().replace(" ", "").split(",")
-    if columns != ["x", "y", "value"] and (columns[:2] != ["x", "y"] or len(columns) < 4):
-        raise GridgenError(f"it begins with {quoted(header.strip())}; {_SAMPLES}")
-    if not rows.strip():
-        raise GridgenError(f"it has a header and no samples; {_SAMPLES}")
-    try:
-        samples = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2)
-    except ValueError as error:
-        raise GridgenError(f"{shortened(error)}; {_SAMPLES}") from error
-    if samples.shape[1:] != (len(columns),):
-        raise GridgenError(f"it has {samples.shape[1]} columns; {_SAMPLES}")
-    points = samples[:, :2]
-    made = tuple(scattered_field(points, one, smooth=smooth, outside=outside) for one in samples[:, 2:].T)
-    return made if len(made) > 1 else made[0]

@@ -14,6 +14,7 @@ from ..options import SOLVERS, WEIGHT
 from .base import functionals_option
 from .field import control_of, field_of, fields_of, outside_option, target_of
 from .layouts import LAYOUT_HELP, REFINE_HELP, sliding, walls_on
+from .ocean import Ocean, ocean_options
 from .options import option
 from .output import Announcement, certify_and_draw, check_outputs, report, under_of, under_option
 from .start import continuation_of, parameters_of, start_grid, start_options
@@ -23,6 +24,7 @@ from .walls import WALLS, walls_of
 if TYPE_CHECKING:
     from ..fields import Weight
     from ..fields.outside import Outside
+    from ..geography import Projection
     from ..solvers import LayoutResult, Result
 
 _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
@@ -50,6 +52,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @click.option(
     "-o", "--output", metavar="OUT", help="Write the grid: .vts, .npz, .cgns, ...; see 'gridgen-sym formats'."
 )
+@ocean_options
 @click.option("--plot", metavar="PNG", help="Draw the grid, folded cells in red: .png, .svg or .pdf.")
 @under_option
 @option(
@@ -114,13 +117,12 @@ def grid(
 ) -> None:
     """Make a grid from INPUT: a classical domain, an outline, a layout or a grid file.
 
-    INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), a text file
-    with an outline (points x,y and '# corners: ...'), the name of a layout of several blocks (see 'gridgen-sym
-    layouts'; parameters as in pipe:across=16), a layout in TOML (.toml) or a mesh of quadrilaterals (.mesh), or a grid
-    file, which is the start. A file of several blocks is
-    one grid, connected as the map (.nmf) beside it says, or where nodes coincide. Exits with 1 if the result
-    has folded cells or the functional has no derivative there, and after Ctrl-C, which writes the best grid so far,
-    with 130.
+    INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), the file of an
+    outline (points x,y and '# corners: ...', a map or a drawing; see 'gridgen-sym formats'), the name of a layout of
+    several blocks (see 'gridgen-sym layouts'; parameters as in pipe:across=16), a layout in TOML (.toml) or a mesh of
+    quadrilaterals (.mesh), or a grid file, which is the start. A file of several blocks is one grid, connected as the
+    map (.nmf) beside it says, or where nodes coincide. Exits with 1 if the result has folded cells or the functional
+    has no derivative there, and after Ctrl-C, which writes the best grid so far, with 130.
     """
     from ..io import check_written
     from ..solvers.run.status import Status, StopReason
@@ -129,12 +131,15 @@ def grid(
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
     boundary = {
-        key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "layout", "refine")
+        key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "layout", "refine", "crs")
     }
-    solve = _solver(name, quiet, **options)
+    deep = {key: options.pop(key) for key in ("depth", "min_depth", "land")}
     check_outputs(output, plot)
-    field = under_of(under, plot)
-    start = start_grid(input, **boundary)
+    begun = start_grid(input, **boundary)
+    field = under_of(under, plot, begun.projection)
+    start = begun.grid
+    solve = _solver(name, quiet, begun.projection, **options)
+    ocean = Ocean(output, begun.projection, begun.islands, options["outside"], **deep)
     if output and isinstance(start, MultiBlock):
         check_written(output, len(start))
     begin = Announcement(quiet, input, start)
@@ -142,7 +147,7 @@ def grid(
     begin()
     _report(result, quiet)
     if output:
-        result.grid.write(output)
+        ocean.write(result.grid)
         report(quiet, f"wrote {output}")
     certify_and_draw(result.grid, plot, f"{Path(input).stem}: {name}", quiet, result, field)
     if result.stopped_by is StopReason.USER:
@@ -151,18 +156,25 @@ def grid(
         raise click.exceptions.Exit(1)
 
 
-def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **options: Any) -> Any:  # noqa: ANN401
+def _solver(
+    name: str,
+    quiet: bool,
+    projection: Projection | None,
+    *,
+    solver: str,
+    interior_only: bool,
+    **options: Any,  # noqa: ANN401
+) -> Any:  # noqa: ANN401
     """Return the solver as a function of the start; what was not given is left to its own defaults."""
     from ..solvers import continuation, optimize, solve_euler_lagrange
 
     passed = "tolerance", "max_iterations", "time_limit", "keep_valid", "spacing", "backend"
     given = {key: options[key] for key in passed if options[key] is not None}
     given["parameters"] = parameters_of(name, options["parameters"])
-    given["weight"] = _weight(
-        options["weight"], options["weight_mode"], options["allow_negative_weight"], options["outside"]
-    )
-    given["fields"] = fields_of(options["fields"], options["outside"])
-    given["target"] = target_of(options["target"])
+    weight = options["weight"], options["weight_mode"], options["allow_negative_weight"]
+    given["weight"] = _weight(*weight, options["outside"], projection)
+    given["fields"] = fields_of(options["fields"], options["outside"], projection)
+    given["target"] = target_of(options["target"], projection)
     given["walls"] = walls_on(walls_of(options["walls"])) or None
     if quiet:
         given["progress"] = False
@@ -189,7 +201,9 @@ def _solver(name: str, quiet: bool, *, solver: str, interior_only: bool, **optio
     return partial(solve_euler_lagrange, functional=name, method=way, **given)
 
 
-def _weight(text: str | None, mode: str | None, allow_negative: bool, outside: Outside) -> Weight | None:
+def _weight(
+    text: str | None, mode: str | None, allow_negative: bool, outside: Outside, projection: Projection | None
+) -> Weight | None:
     """Return the weight that the options give."""
     from ..fields import Weight
 
@@ -197,7 +211,7 @@ def _weight(text: str | None, mode: str | None, allow_negative: bool, outside: O
         if mode or allow_negative:
             raise GridgenError("--weight-mode and --allow-negative-weight need a --weight FIELD")
         return None
-    source = field_of(text, smooth=mode == "differentiated", outside=outside)
+    source = field_of(text, smooth=mode == "differentiated", outside=outside, projection=projection)
     return Weight(source, mode or "frozen", allow_negative)  # type: ignore[arg-type]
 
 

@@ -15,6 +15,7 @@ from .options import option
 
 if TYPE_CHECKING:
     from ..fields.scalar import ScalarField
+    from ..geography import Projection
     from ..grids import Grid
     from ..solvers import LayoutResult, Result
     from ..topology import MultiBlock
@@ -26,8 +27,8 @@ under_option = option(
 )
 
 
-def under_of(text: str | None, plot: str | None) -> ScalarField | None:
-    """Return the field that `--under` gives, with the text as its name.
+def under_of(text: str | None, plot: str | None, projection: Projection | None = None) -> ScalarField | None:
+    """Return the field that `--under` gives, with the text as its name; its samples are placed by a projection.
 
     Raises:
         GridgenError: if it is none, or there is no picture `plot` to draw it in.
@@ -36,7 +37,9 @@ def under_of(text: str | None, plot: str | None) -> ScalarField | None:
 
     if text is not None and not plot:
         raise GridgenError(f"--under {text} is drawn in a picture: give --plot PNG, too")
-    return None if text is None else replace(as_scalar(field_of(text, smooth=False), "the field"), name=text)
+    if text is None:
+        return None
+    return replace(as_scalar(field_of(text, smooth=False, projection=projection), "the field"), name=text)
 
 
 def check_outputs(output: str | None, plot: str | None) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -16,6 +17,8 @@ from .options import option
 from .types import integer
 
 if TYPE_CHECKING:
+    from ..arrays import Array
+    from ..geography import Projection
     from ..grids import Grid
     from ..topology import MultiBlock
 
@@ -40,7 +43,28 @@ _OPTIONS = (
         metavar="SIDE=LAW",
     ),
     option(OUTLINE["reorient"], more=": an outline, or the boundary of a grid file"),
+    option(
+        OUTLINE["crs"],
+        more=", of an outline or a grid file: auto, which keeps angles, or a system such as EPSG:32616; x and y of "
+        "formulas are in this plane, in meters, files of fields and OUT are in longitude and latitude",
+        metavar="CRS",
+    ),
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """What the commands `grid` and `adapt` begin with.
+
+    Attributes:
+        grid: of one block or several.
+        projection: of longitude and latitude onto the plane of the grid; None without `--crs`.
+        islands: closed curves (n, 2) in this plane.
+    """
+
+    grid: Grid | MultiBlock
+    projection: Projection | None = None
+    islands: tuple[Array, ...] = ()
 
 
 def start_options(command: _Command) -> _Command:
@@ -60,8 +84,9 @@ def start_grid(
     reorient: bool = True,
     layout: bool = False,
     refine: int | None = None,
-) -> Grid | MultiBlock:
-    """Return the grid to start from: of several blocks, if a file has or describes these, or a name is a layout's.
+    crs: str | None = None,
+) -> Start:
+    """Return what to start from: a grid of several blocks, if a file has or describes these, or a name is a layout's.
 
     Args:
         source: a domain or a layout with its parameters, the file of an outline, a grid, or a layout's description.
@@ -72,6 +97,7 @@ def start_grid(
         reorient: reverse a clockwise outline or grid file, and report it.
         layout: connect the sides of a grid file of one block, too; of a name that both have, take the layout.
         refine: of the description of a layout.
+        crs: plane onto which an outline or the grid of a file, in longitude and latitude, is projected.
 
     Raises:
         GridgenError: if it is none of these, or cannot be read.
@@ -89,22 +115,24 @@ def start_grid(
     if suffix in DESCRIPTIONS or (key in layout_names() and (layout or key not in domain_names())):
         if size or corners or sampling or sides:
             raise GridgenError(f"{source} has its own numbers of cells and sides: drop --size, --corners and --side")
-        return layout_start(source, refine)
+        _refuse_crs(crs, source)
+        return Start(layout_start(source, refine))
     if refine is not None:
         raise GridgenError(f"--refine belongs to a layout in TOML or a mesh, which {source} is not")
     is_file = suffix in known_suffixes() or suffix in outline_suffixes() or Path(source).is_file()
     if is_file and not layout and (not holds_grid(source) or is_outline(source)):
-        return _outline_grid(source, (ni, nj), corners, sampling, sides, reorient)
+        return _outline_start(source, (ni, nj), corners, sampling, sides, reorient, crs)
     for flag, value in (("--corners", corners), ("--sampling", sampling), ("--side", sides or None)):
         if value is not None:
             raise GridgenError(
                 f"{flag} belongs to an outline (a file of points, a map or a drawing), which {source} is not"
             )
     if is_file:
-        return _grid_file(source, size, reorient, layout)
+        return _projected(_grid_file(source, size, reorient, layout), crs, source)
+    _refuse_crs(crs, source)
     if layout:
         raise GridgenError(f"--layout belongs to a grid file or a layout's name, which {source} is not")
-    return domain(key, ni, nj, **assignments(rest.split(",") if rest else [], f"the domain {quoted(key)}"))
+    return Start(domain(key, ni, nj, **assignments(rest.split(",") if rest else [], f"the domain {quoted(key)}")))
 
 
 def assignments(texts: list[str] | tuple[str, ...], of: str) -> dict[str, float]:
@@ -146,15 +174,37 @@ def parameters_of(name: str, texts: tuple[str, ...]) -> dict[str, float]:
     return given
 
 
-def _outline_grid(
+def _refuse_crs(crs: str | None, source: str) -> None:
+    if crs is not None:
+        raise GridgenError(
+            f"--crs belongs to an outline or a grid file of one block, in longitude and latitude, which {source} is not"
+        )
+
+
+def _projected(grid: Grid | MultiBlock, crs: str | None, source: str) -> Start:
+    """Return the grid of a file, in the plane of a projection if its nodes are places."""
+    from ..geography import project
+    from ..grids import Grid
+    from ..messages import report
+
+    if crs is None or not isinstance(grid, Grid):
+        _refuse_crs(crs, source)
+        return Start(grid)
+    projection = project(grid.xy.reshape(-1, 2), crs)
+    report(f"the plane is that of the projection {projection.name}")
+    return Start(projection.grid_to_plane(grid), projection)
+
+
+def _outline_start(
     path: str,
     shape: tuple[int, int],
     corners: str | None,
     sampling: str | None,
     sides: tuple[str, ...],
     reorient: bool,
-) -> Grid:
-    """Return the grid of an outline's file."""
+    crs: str | None,
+) -> Start:
+    """Return the grid of an outline's file, and its islands."""
     from ..boundary import Outline
 
     chosen: Any = corners
@@ -165,11 +215,12 @@ def _outline_grid(
             chosen = []
         if len(chosen) != 4:
             raise GridgenError(f"--corners is auto or four whole numbers, such as '0,10,20,30'; came {quoted(corners)}")
-    outline = Outline.read(path, corners=chosen, reorient=reorient)
+    outline = Outline.read(path, corners=chosen, reorient=reorient, crs=crs)
     # Corners that were chosen by number are kept, others may be moved.
     wanted: Any = chosen if chosen in (None, "auto") else outline.corners
     laws = dict(_law_of(text) for text in sides)
-    return outline.grid(*shape, wanted, sampling or "features", laws)  # type: ignore[arg-type]
+    grid = outline.grid(*shape, wanted, sampling or "features", laws)  # type: ignore[arg-type]
+    return Start(grid, outline.projection, outline.islands)
 
 
 def _law_of(text: str) -> tuple[str, str]:

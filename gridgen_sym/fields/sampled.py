@@ -22,6 +22,7 @@ from ..grids import Grid, quality
 from ..grids.grid import check_grid
 from ..runtime.process import interruptible
 from .function import difference
+from .gaps import filled, gap_at
 from .outside import ROUNDING, Outside, check_choice
 from .structured import StructuredInterpolation
 
@@ -37,6 +38,7 @@ class SampledField:
         kind: what the samples are, in words.
         beyond: what counts outside the samples: `error` refuses grids with nodes there, `nearest` takes the nearest
             sample. A call takes the nearest one always.
+        middle: of the samples along x: halfway between the least and the greatest.
     """
 
     kind: str
@@ -44,6 +46,8 @@ class SampledField:
     _derivative: Callable[[Array, Array, int, int], Array] | None
     _value: Callable[[Array, Array], Array]
     _covers: Callable[[Array, Array], npt.NDArray[np.bool_]]
+    _missing: Callable[[Array, Array], npt.NDArray[np.bool_]] | None = None
+    middle: float = 0.0
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Return the values at points; outside the samples, the nearest one."""
@@ -66,6 +70,10 @@ class SampledField:
     def covers(self, x: Array, y: Array) -> npt.NDArray[np.bool_]:
         """Return which points lie in the samples, their edge included."""
         return self._covers(x, y)
+
+    def missing(self, x: Array, y: Array) -> npt.NDArray[np.bool_]:
+        """Return at which points the nearest sample of a raster is NaN: these are not in the samples."""
+        return np.zeros(np.shape(x), dtype=bool) if self._missing is None else self._missing(x, y)
 
     def __repr__(self) -> str:
         """Say what it is."""
@@ -151,6 +159,8 @@ def raster_field(
 ) -> SampledField:
     """Interpolate a rectilinear raster, such as an elevation model.
 
+    Samples may be missing (NaN), as on land: where the nearest sample is, a point is outside of the samples.
+
     Bilinear (SciPy's `RegularGridInterpolator`), or `smooth`: the bicubic spline `RectBivariateSpline`, whose
     derivatives are exact.
 
@@ -162,7 +172,7 @@ def raster_field(
         outside: refuse nodes outside the samples (`error`), or take the `nearest` value of the raster's edge.
 
     Raises:
-        GridgenError: for other shapes, coordinates that are not in order, or samples that are not finite.
+        GridgenError: for other shapes, coordinates that are not in order, or samples that are infinite or all NaN.
     """
     check_choice(outside)
     axes = [real_array(axis, f"the raster's {name}") for axis, name in ((x, "x"), (y, "y"))]
@@ -178,11 +188,32 @@ def raster_field(
             f"the raster's values must have the shape (nx, ny) = {(len(axes[0]), len(axes[1]))}; came {value.shape}."
             f"{other}"
         )
+    value, gaps = filled(value)
     _check_finite(value[..., np.newaxis], "sample")
     for k in range(2):
         if axes[k][0] > axes[k][-1]:
             axes[k], value = axes[k][::-1], np.flip(value, k)
-    return (_spline if smooth else _bilinear)(axes, value, outside)
+            gaps = None if gaps is None else np.flip(gaps, k)
+    made = (_spline if smooth else _bilinear)(axes, value, outside)
+    if gaps is None:
+        return replace(made, middle=_middle(axes[0]))
+    gap, inside = gap_at(axes, gaps), _inside(axes)
+    return replace(
+        made,
+        middle=_middle(axes[0]),
+        _missing=lambda x, y: inside(x, y) & gap(x, y),
+        _covers=lambda x, y: inside(x, y) & ~gap(x, y),
+    )
+
+
+def negative(field: SampledField) -> SampledField:
+    """Return a sampled field with the other sign: depths from heights."""
+
+    def derivative(x: Array, y: Array, dx: int, dy: int) -> Array:
+        assert field._derivative
+        return -field._derivative(x, y, dx, dy)
+
+    return replace(field, _value=lambda x, y: -field(x, y), _derivative=derivative if field._derivative else None)
 
 
 def nodal(cells: Array) -> Array:
@@ -235,7 +266,7 @@ def _triangulated(points: Array, values: Array, kind: str, outside: Outside, *, 
             within |= farthest <= ROUNDING * extent
         return within
 
-    return SampledField(kind, outside, None, value, covers)
+    return SampledField(kind, outside, None, value, covers, middle=_middle(points[:, 0]))
 
 
 def _clipped(axes: list[Array]) -> Callable[[Array, Array], tuple[Array, Array]]:
@@ -247,6 +278,10 @@ def _inside(axes: list[Array]) -> Callable[[Array, Array], npt.NDArray[np.bool_]
     slack = ROUNDING * max(float(np.ptp(axis)) for axis in axes)
     (left, right), (low, high) = ((axis[0] - slack, axis[-1] + slack) for axis in axes)
     return lambda x, y: (x >= left) & (x <= right) & (y >= low) & (y <= high)
+
+
+def _middle(x: Array) -> float:
+    return float(x.min() + x.max()) / 2
 
 
 def _raster_kind(axes: list[Array]) -> str:

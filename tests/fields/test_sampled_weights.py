@@ -135,7 +135,7 @@ AXIS = np.linspace(0, 1, 5)
         (lambda: gg.Weight.on_raster(AXIS, [0, 2, 1, 3], np.ones((5, 4))), "raster's y must be at least 2"),
         (lambda: gg.Weight.on_raster(AXIS, AXIS[:3], np.ones((3, 5))), "Pass the transpose"),
         (lambda: gg.Weight.on_raster(AXIS, AXIS[:3], np.ones((5, 3)), "differentiated"), "at least 4"),
-        (lambda: gg.Weight.on_raster(AXIS, AXIS, np.full((5, 5), np.nan)), r"sample \(0, 0\) is not"),
+        (lambda: gg.Weight.on_raster(AXIS, AXIS, np.full((5, 5), np.nan)), "all samples of the raster are missing"),
         (lambda: gg.Weight(sympy.Symbol("z") + sympy.Symbol("x")), "contains z: use only the symbols x and y"),
         (lambda: gg.energy(mild_grid(), "area", weight="1e160"), "square overflows: divide it by a constant"),
     ],

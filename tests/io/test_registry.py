@@ -16,7 +16,14 @@ from gridgen_sym.io.format import Format
 
 FORMATS = known_formats()
 ROOT = Path(__file__).parents[2]
-each_format = pytest.mark.parametrize("name", FORMATS)
+#: A format whose package is not one of the tests' own is tried with the extras.
+each_format = pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.extras if form.extra and form.extra[0] != "io" else ())
+        for name, form in FORMATS.items()
+    ],
+)
 SWAN = gg.domain("swan", 5, 4)
 TWO = gg.MultiBlock({"a": SWAN, "b": gg.domain("square", 4, 4)}, [], boundaries={"wall": [("a", "bottom", (1, 3))]})
 

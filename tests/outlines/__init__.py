@@ -1,1 +1,1 @@
-"""Tests of gridgen_sym.grids; a package, so that test files elsewhere may have the same names."""
+"""Tests of gridgen_sym.outlines; a package, so that test files elsewhere may have the same names."""

@@ -52,12 +52,12 @@ def _features(top: Mapping[str, Any]) -> list[tuple[Any, Mapping[str, Any]]]:
     return [(one.get("geometry"), one.get("properties") or {}) for one in features]
 
 
-def _is_geographic(top: Mapping[str, Any]) -> bool | None:
+def _is_geographic(top: Mapping[str, Any]) -> bool:
     """Return whether coordinates are longitude and latitude, as they are unless the old member `crs` names others."""
     if "crs" not in top:
         return True
     named = str(top["crs"])
-    return True if any(one in named for one in ("CRS84", "4326", "4269", "4258")) else None
+    return any(one in named for one in ("CRS84", "4326", "4269", "4258"))
 
 
 def recognizes(data: bytes) -> bool:

@@ -40,9 +40,10 @@ def _is_geographic(beside: Path) -> bool | None:
     """Return what the file of the projection says, if it is there."""
     try:
         with beside.open(encoding="latin-1") as stream:
-            return stream.read(100).lstrip().upper().startswith(("GEOGCS", "GEOGCRS"))
+            start = stream.read(100).lstrip().upper()
     except OSError:
         return None
+    return True if start.startswith(("GEOGCS", "GEOGCRS")) else False if start.startswith("PROJC") else None
 
 
 def recognizes(data: bytes) -> bool:

@@ -1,0 +1,118 @@
+"""netCDF files in memory, with netCDF4: variables with dimensions and attributes, written and read with bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..archives import check_packing
+from ..arrays import Array
+from ..errors import GridgenError, MissingExtraError, quoted, shortened
+
+_EMPTY: Mapping[str, Any] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable of a netCDF file.
+
+    Attributes:
+        dimensions: their names, the slowest first.
+        values: the numbers, or a character.
+        attributes: its attributes.
+    """
+
+    dimensions: tuple[str, ...]
+    values: npt.NDArray[Any]
+    attributes: Mapping[str, Any] = field(default_factory=lambda: _EMPTY)
+
+
+def encode(variables: Mapping[str, Variable], attributes: Mapping[str, Any]) -> bytes:
+    """Return a netCDF-4 file with variables, whose dimensions are as long as their arrays.
+
+    Raises:
+        MissingExtraError: if netCDF4 is not installed.
+    """
+    library = _library("writing a netCDF file")
+    made = library.Dataset("memory.nc", "w", memory=1024)
+    made.setncatts(dict(attributes))
+    for name, variable in variables.items():
+        for dimension, size in zip(variable.dimensions, variable.values.shape, strict=True):
+            if dimension not in made.dimensions:
+                made.createDimension(dimension, size)
+        written = made.createVariable(name, variable.values.dtype, variable.dimensions)
+        written.setncatts(dict(variable.attributes))
+        written[...] = variable.values
+    return bytes(made.close())
+
+
+class NetcdfFile:
+    """A file that is read: variables by name, and their attributes."""
+
+    def __init__(self, dataset: Any) -> None:  # noqa: ANN401
+        """Hold what netCDF4 has opened."""
+        self._dataset = dataset
+        self._size = 0
+
+    @property
+    def variables(self) -> Mapping[str, Any]:
+        """What netCDF4 has, by name: with `dimensions`, `shape` and `ncattrs()`."""
+        return self._dataset.variables  # type: ignore[no-any-return]
+
+    def attribute(self, variable: str, name: str) -> str:
+        """Return an attribute of a variable as text; empty if it has none."""
+        found = self.variables[variable]
+        return str(found.getncattr(name)) if name in found.ncattrs() else ""
+
+    def numbers(self, name: str, packed: int) -> Array:
+        """Return the numbers of a variable, with NaN where there are none.
+
+        Args:
+            name: of the variable.
+            packed: how long the whole file is.
+
+        Raises:
+            GridgenError: if there is no such variable, it holds no numbers, or they would fill the memory.
+        """
+        if name not in self.variables:
+            raise GridgenError(f"it has no variable {quoted(name)}; it has {shortened(', '.join(self.variables))}")
+        found = self.variables[name]
+        if getattr(found.dtype, "kind", "O") not in "biuf":
+            raise GridgenError(f"its variable {quoted(name)} holds no numbers, but {found.dtype}")
+        check_packing(packed, 8 * int(np.prod(found.shape, dtype=object)), f"the variable {quoted(name)}")
+        values = found[...]
+        return np.ma.filled(np.ma.asarray(values).astype(float), np.nan)
+
+
+@contextmanager
+def opened(data: bytes) -> Iterator[NetcdfFile]:
+    """Open the bytes of a netCDF file.
+
+    Raises:
+        GridgenError: if it is none, or is damaged.
+        MissingExtraError: if netCDF4 is not installed.
+    """
+    library = _library("reading a netCDF file")
+    if not data.startswith((b"CDF\x01", b"CDF\x02", b"CDF\x05", b"\x89HDF\r\n\x1a\n")):
+        raise GridgenError("it does not begin as a netCDF file does")
+    try:
+        with library.Dataset("memory.nc", "r", memory=data) as dataset:
+            yield NetcdfFile(dataset)
+    except (OSError, RuntimeError, ValueError, IndexError, MemoryError, UnicodeDecodeError, AttributeError) as error:
+        if isinstance(error, GridgenError):
+            raise
+        raise GridgenError(f"it is no whole netCDF file ({shortened(error)}); write it again") from error
+
+
+def _library(purpose: str) -> Any:  # noqa: ANN401
+    try:
+        import netCDF4
+    except ImportError:
+        raise MissingExtraError(purpose, "ocean", "netCDF4") from None
+    return netCDF4

@@ -1,0 +1,207 @@
+"""Files of ocean models, opened by xarray and xgcm; lengths against great circles; the command line."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import gridgen_sym as gg
+from gridgen_sym.cli import main
+
+pytestmark = pytest.mark.extras
+
+RADIUS = 6371e3
+#: A curved sea of 8 by 5 degrees with an island.
+PLACES = [[x, 40 + 0.5 * np.sin(x)] for x in np.linspace(0, 8, 17)]
+PLACES += [[8, 42], *([x, 45 + 0.5 * np.sin(x)] for x in np.linspace(8, 0, 17)), [0, 42]]
+ISLAND = [[3, 42], [4.5, 42], [4.5, 43], [3, 43], [3, 42]]
+
+
+@pytest.fixture
+def sea(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    top = {
+        "type": "Feature",
+        "properties": {"name": "sea", "corners": [0, 16, 18, 34]},
+        "geometry": {"type": "Polygon", "coordinates": [[*PLACES, PLACES[0]], ISLAND]},
+    }
+    (tmp_path / "sea.geojson").write_text(json.dumps(top))
+    return "sea.geojson"
+
+
+def haversine(lon, lat, to_lon, to_lat):
+    """Return the great-circle distance on a sphere, in meters."""
+    a, b, c, d = np.radians((lon, lat, to_lon, to_lat))
+    half = np.sin((d - b) / 2) ** 2 + np.cos(b) * np.cos(d) * np.sin((c - a) / 2) ** 2
+    return 2 * RADIUS * np.arcsin(np.sqrt(half))
+
+
+def made(sea, **options):
+    outline = gg.Outline.read(sea, crs="auto")
+    grid = gg.optimize(outline.grid(25, 17), "winslow").grid
+    return grid, gg.ocean_grid(grid, projection=outline.projection, islands=outline.islands, **options)
+
+
+def test_xgcm_and_xarray_open_what_is_written(sea):
+    import xarray
+    import xgcm
+
+    grid, ocean = made(sea, depth=lambda x, y: 100 + x / 1e5)
+    ocean.write("sea.nc", title="a sea")
+    with xarray.open_dataset("sea.nc") as data:
+        assert dict(data.sizes) == {
+            **{"xi_rho": 26, "eta_rho": 18, "xi_psi": 25, "eta_psi": 17},
+            **{"xi_u": 25, "eta_u": 18, "xi_v": 26, "eta_v": 17},
+        }
+        assert data.title == "a sea"
+        assert data.spherical.item() == b"T"
+        for name in ("h", "f", "pm", "pn", "dndx", "dmde", "angle", "mask_rho", "mask_u", "mask_v", "mask_psi"):
+            assert np.isfinite(data[name]).all(), name
+        for name in ("lon", "lat", "x", "y"):
+            assert {f"{name}_{kind}" for kind in ("rho", "u", "v", "psi")} <= {*data.variables}
+        assert set(data.pm.encoding["coordinates"].split()) == {"lon_rho", "lat_rho"}
+        np.testing.assert_array_equal(data.x_psi.T, grid.x)
+        assert 0 < (data.mask_rho == 0).sum() < 60
+        parsed = xgcm.Grid(data)  # From SGRID's description in the file.
+        assert {axis.coords["center"] for axis in parsed.axes.values()} == {"xi_rho", "eta_rho"}
+        assert {axis.coords["inner"] for axis in parsed.axes.values()} == {"xi_psi", "eta_psi"}
+        # The difference of the longitudes of neighboring centers is on the edges between them.
+        difference = parsed.diff(data.lon_rho.drop_vars(["lon_rho", "lat_rho"], errors="ignore"), "X")
+        np.testing.assert_allclose(difference, np.diff(data.lon_rho, axis=1))
+        assert difference.dims == ("eta_rho", "xi_psi")
+
+
+def test_lengths_are_great_circles_and_directions_are_on_earth(sea):
+    _, ocean = made(sea)
+    lon, lat = ocean["lon_u"], ocean["lat_u"]
+    expected = haversine(lon[:, :-1], lat[:, :-1], lon[:, 1:], lat[:, 1:])
+    np.testing.assert_allclose(1 / ocean["pm"][:, 1:-1], expected, rtol=4e-3)  # An ellipsoid is no sphere.
+    lon, lat = ocean["lon_v"], ocean["lat_v"]
+    expected = haversine(lon[:-1], lat[:-1], lon[1:], lat[1:])
+    np.testing.assert_allclose(1 / ocean["pn"][1:-1], expected, rtol=4e-3)
+    step = 1e-6 * np.exp(1j * ocean["angle"])  # A step along xi on Earth, in degrees of a great circle.
+    along = np.diff(ocean["lon_u"]) * np.cos(np.radians(ocean["lat_rho"][:, 1:-1])) + 1j * np.diff(ocean["lat_u"])
+    np.testing.assert_allclose(np.angle(along / step[:, 1:-1]), 0, atol=4e-3)
+    np.testing.assert_allclose(ocean["f"], 1.4584e-4 * np.sin(np.radians(ocean["lat_rho"])), rtol=1e-4)
+
+
+def test_lengths_in_longitude_and_latitude_need_no_plane(sea):
+    grid, ocean = made(sea)
+    places = gg.Outline.read(sea, crs="auto").projection.grid_to_geographic(grid)
+    direct = gg.ocean_grid(places, geographic=True)
+    np.testing.assert_allclose(direct["pm"], ocean["pm"], rtol=4e-3)
+    gg.write(places, "sea.nc", form="lonlat")
+    assert gg.read("sea.nc") == places
+    with pytest.raises(gg.GridgenError, match="it has no coordinates of nodes: x_psi, y_psi or x_vert"):
+        gg.read("sea.nc", form="plane")
+
+
+def test_ugrid_lists_all_cells_counter_clockwise(sea):
+    import xarray
+
+    _, ocean = made(sea, depth=lambda x, y: 0 * x + 7)
+    ocean.write("mesh.nc", "ugrid")
+    with xarray.open_dataset("mesh.nc") as data:
+        mesh = data[next(name for name, one in data.variables.items() if one.attrs.get("cf_role") == "mesh_topology")]
+        lon, lat = (data[name].values for name in mesh.node_coordinates.split())
+        faces = data[mesh.face_node_connectivity].values
+        assert faces.shape == (24 * 16, 4)
+        x, y = lon[faces], lat[faces]
+        area = (x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1)).sum(axis=1) / 2
+        assert (area > 0).all()
+        assert set(faces.ravel()) == set(range(25 * 17))
+        assert data.h.sizes == {"mesh_face": 24 * 16}
+        np.testing.assert_array_equal(data.mask.values.reshape(24, 16), ocean["mask_rho"].T[1:-1, 1:-1])
+    with pytest.raises(gg.GridgenError, match="its faces are a list, by UGRID's conventions"):
+        gg.read("mesh.nc")
+    with pytest.raises(gg.GridgenError, match="the convention must be 'roms' or 'ugrid'; came 'hycom'"):
+        ocean.write("mesh.nc", "hycom")
+
+
+def test_a_plane_grid_comes_back_bit_by_bit_and_damaged_files_are_refused(tmp_path):
+    swan = gg.domain("swan", 9, 7)
+    path = tmp_path / "swan.nc"
+    gg.write(swan, path)
+    assert gg.read(path) == swan
+    whole = path.read_bytes()
+    for data in (whole[: len(whole) // 2], b"CDF\x01" + b"\xff" * 200, b"\x89HDF\r\n\x1a\n" + b"\0" * 90, b"text"):
+        path.write_bytes(data)
+        with pytest.raises(gg.GridgenError, match=r"swan\.nc as a netCDF grid of ROMS: it "):
+            gg.read(path)
+
+
+def raster(path, *, name="elevation", missing=False, **attributes):
+    """Write a raster of heights in longitude from 0 to 360 degrees, north first, with a time, as data centers do."""
+    import netCDF4
+
+    lon, lat = np.arange(-2, 12, 0.25) % 360, np.arange(48, 37, -0.25)
+    with netCDF4.Dataset(path, "w") as data:
+        data.createDimension("time", 1)
+        for axis, values, unit in (("lat", lat, "degrees_north"), ("lon", np.sort(lon), "degrees_east")):
+            data.createDimension(axis, len(values))
+            data.createVariable(axis, "f8", (axis,))[:] = values
+            data[axis].units = unit
+        made = data.createVariable(name, "f4", ("time", "lat", "lon"), fill_value=-9999.0)
+        made.setncatts(attributes)
+        height = -100.0 + 0 * lat[:, None] + 0 * lon
+        height[:, np.sort(lon) < 1] = np.nan if missing else 50
+        made[0] = np.ma.masked_invalid(height)
+
+
+def run(*arguments, code=0):
+    result = CliRunner().invoke(main, [str(one) for one in arguments])
+    assert result.exit_code == code, (result.output, result.exception)
+    return result.output
+
+
+@pytest.mark.parametrize("missing", [False, True])
+def test_the_command_line_from_a_coast_to_a_file_of_roms(sea, missing):
+    import netCDF4
+
+    raster("bathy.nc", missing=missing)
+    options = ("--size", 20, 14, "--crs", "auto", "-o", "roms.nc", "--depth", "bathy.nc:elevation")
+    said = run("grid", sea, "-f", "winslow", *options)
+    assert "bathy.nc:elevation holds heights, positive upwards" in said
+    with netCDF4.Dataset("roms.nc") as data:
+        lon, mask, h = (data[name][1:-1, 1:-1] for name in ("lon_rho", "mask_rho", "h"))
+        assert not mask[lon < 0.85].any()
+        island = (lon > 3.1) & (lon < 4.4) & (data["lat_rho"][1:-1, 1:-1] > 42.1) & (data["lat_rho"][1:-1, 1:-1] < 42.9)
+        assert island.any()
+        assert not mask[island].any()
+        assert mask[lon > 5].all()
+        np.testing.assert_allclose(h[lon > 5], 100)
+        assert h.min() == 1.0
+    run("grid", "roms.nc", "-f", "winslow", "--crs", "auto", "-o", "again.vts")
+    before, after = gg.read("roms.nc"), gg.read("again.vts")
+    np.testing.assert_allclose(after.xy[0], before.xy[0], atol=1e-8)  # The boundary, in longitude and latitude again.
+    np.testing.assert_allclose(after.xy, before.xy, atol=2e-3)
+
+
+def test_a_raster_adapts_a_grid_in_longitude_and_latitude(sea):
+    raster("bathy.nc", name="depth", positive="down")
+    options = ("--size", 20, 14, "--crs", "auto")
+    run("adapt", sea, "--to", "bathy.nc:depth", "--monitor", "gradient", *options, "-o", "out.vts")
+    lon = gg.read("out.vts").x
+    run("grid", sea, "-f", "winslow", *options, "-o", "even.vts")
+    near = [(np.abs(one - 1) < 0.5).sum() for one in (lon, gg.read("even.vts").x)]
+    assert near[0] > 1.5 * near[1]  # Nodes gather at the shelf at one degree east.
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--depth", "bathy.nc:elevation", "-o", "a.vts"], "belong to the file of an ocean model: -o FILE.nc"),
+        (["--depth", "bathy.nc:none", "-o", "a.nc"], "it has no variable 'none'; it has lat, lon, elevation"),
+        (["--depth", "bathy.nc:lat", "-o", "a.nc"], "its variable 'lat' has the axes lat 44; expected two"),
+        (["--depth", "1 + x", "-o", "a.nc"], "--depth takes a file with a raster or samples"),
+        (["--depth", "missing.nc:h", "-o", "a.nc"], "there is no such file"),
+        (["--crs", "EPSG:4326", "-o", "a.nc"], "is no plane"),
+    ],
+)
+def test_mistakes_of_the_command_line_are_named(sea, arguments, message):
+    raster("bathy.nc")
+    crs = [] if "--crs" in arguments else ["--crs", "auto"]
+    assert message in run("grid", sea, "-f", "winslow", "--size", 8, 8, *crs, *arguments, code=2)
