@@ -7,10 +7,13 @@ visited after the inner ones.
 
 from __future__ import annotations
 
+from typing import Protocol, TypeVar
+
 import numpy as np
 
 from ..arrays import Array, Mask
 from .convergence import ConvergenceTest, converged
+from .energy_problem import EnergyProblem
 from .iterate import Iterate
 from .problem import Problem
 from .run.progress import Progress
@@ -19,6 +22,7 @@ from .run.step_control import jacobian_floor
 from .sliding.relaxation import relax_sliding
 
 COLORS = 4
+SomeProblem = TypeVar("SomeProblem", bound=EnergyProblem, contravariant=True)
 
 
 def sweep(problem: Problem, coordinates: Array, fixed: Mask, *, floor: float, reach: float) -> float:
@@ -62,11 +66,26 @@ def _sweep_summed(problem: Problem, coordinates: Array, fixed: Mask, *, floor: f
     return sweep(problem, coordinates, fixed, floor=floor, reach=reach)
 
 
+def visit_nodes(problem: Problem, coordinates: Array, *, floor: float, reach: float) -> float:
+    """Visit every free node of a block once, and every sliding one, in place; see `sweep`."""
+    move = _sweep_summed if problem.guard_summed_only and floor >= 0 else sweep
+    step = move(problem, coordinates, problem.fixed, floor=floor, reach=reach)
+    return max(step, relax_sliding(problem, coordinates, floor=floor))
+
+
+class Visit(Protocol[SomeProblem]):
+    """Visits every free node of a problem once."""
+
+    def __call__(self, problem: SomeProblem, coordinates: Array, *, floor: float, reach: float) -> float:
+        """Move nodes in place, and return the largest component of a step; see `sweep`."""
+
+
 def sweep_until_converged(
-    problem: Problem,
+    problem: SomeProblem,
     coordinates: Array,
     progress: Progress,
     *,
+    visit: Visit[SomeProblem],
     tolerance: float,
     max_iterations: int,
     keep_valid: bool,
@@ -90,9 +109,7 @@ def sweep_until_converged(
             return converged("gradient", iterate.norm, convergence.first, iteration)
         if iteration == max_iterations:
             break
-        move = _sweep_summed if problem.guard_summed_only and floor >= 0 else sweep
-        step = move(problem, coordinates, problem.fixed, floor=floor, reach=reach)
-        step = max(step, relax_sliding(problem, coordinates, floor=floor))
+        step = visit(problem, coordinates, floor=floor, reach=reach)
         if step >= reach:
             why = "the sweeps diverge, which happens where the energy has no lower bound; this is the last grid."
             return Outcome(Status.DIVERGED, why)

@@ -25,7 +25,7 @@ from .harmonic import move_sides
 from .layout.dispatch import on_several_blocks
 from .layout.optimize import optimize_layout
 from .layout.untangling import untangle_layout
-from .local import sweep_until_converged
+from .local import sweep_until_converged, visit_nodes
 from .logical import LogicalRectangle, Spacing
 from .minimization import Run
 from .multilevel.wall_continuation import approach_walls
@@ -176,7 +176,7 @@ def optimize(
             report.begin("minimize", grid.shape)
             iterate: Callable[..., Outcome] = partial(minimize, reference=run.reference)
             if method == "local":
-                iterate = sweep_until_converged
+                iterate = partial(sweep_until_converged, visit=visit_nodes)
             outcome = iterate(
                 run.problem,
                 run.coordinates,

@@ -314,8 +314,6 @@ def test_what_layouts_do_not_take_is_told():
     start = cut(gg.domain("wavy", 9, 9), (0, 4, 8), (0, 8))
     with pytest.raises(gg.GridgenError, match="optimize of several blocks does not take 'interior_only'"):
         gg.optimize(start, "winslow", interior_only=True)
-    with pytest.raises(gg.GridgenError, match="by method='newton'; came 'local'"):
-        gg.optimize(start, "winslow", "local", fixed={})
     with pytest.raises(gg.GridgenError, match="unknown method 'fast'"):
         gg.optimize(start, "winslow", "fast")
     with pytest.raises(gg.GridgenError, match="fixed of several blocks maps names of blocks to masks"):

@@ -96,7 +96,11 @@ class Exchange:
 
     def copy_first(self, field: Array) -> None:
         """Give every copy the vector of the first one, in place."""
-        self.spread(field[self._places[:, self._copies.starts]], field)
+        self.spread(self.of_nodes(field), field)
+
+    def of_nodes(self, field: Array) -> Array:
+        """Return the vectors of the first copies, (2, nodes)."""
+        return field[self._places[:, self._copies.starts]]
 
     def distributed(self, field: Array) -> Array:
         """Return a consistent field as a distributed one: what the first copy has, and zero at the others."""

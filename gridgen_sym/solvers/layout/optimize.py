@@ -16,6 +16,7 @@ from ...functionals.registry import functional as find_functional
 from ...grids import Grid
 from ...topology import MultiBlock
 from ...topology.merging import merge
+from ..local import sweep_until_converged
 from ..logical import Spacing
 from ..newton.minimize import minimize
 from ..run.checks import check_controls
@@ -36,13 +37,16 @@ from .merged import (
 )
 from .nested import NestedLayouts
 from .problem import LayoutProblem
+from .relaxation import LayoutSweeps
 from .result import LayoutResult
 from .run import REGULARIZED, begin_run
 from .untangle import NO_PROGRESS, untangle_blocks
 from .walls import LayoutWalls, minimize_with_walls, walled_start, walls_of_blocks
 
 #: Factors by which the gradient must fall, as for one block.
-_TOLERANCE, _TO_TARGET, _STEPS = 1e-6, 1e-12, 1000
+_TOLERANCE, _TO_TARGET = 1e-6, 1e-12
+#: Default numbers of Newton steps and of sweeps, likewise.
+_LIMITS = {"newton": 1000, "local": 5000}
 
 
 def optimize_layout(
@@ -137,9 +141,7 @@ def optimize_layout(
                 again = partial(optimize_layout, merged.layout, definition, method, target=reference, **given)
                 again = partial(again, slide=sliding, merges=False)
             return of_all_blocks(again, grid, merged)
-    if method != "newton":
-        raise GridgenError(f"blocks that are not one together are optimized by method='newton'; came {quoted(method)}")
-    limit, rectangles = _STEPS if max_iterations is None else max_iterations, logical_rectangles(grid, spacing)
+    limit, rectangles = _LIMITS[method] if max_iterations is None else max_iterations, logical_rectangles(grid, spacing)
     with Progress(f"{definition.name}, {len(grid)} blocks", callback, progress, Deadline(time_limit)) as report:
         problem = make(grid)
         run = begin_run(grid, problem, report)
@@ -153,8 +155,11 @@ def optimize_layout(
                     return Outcome(Status.FOLDED, NO_PROGRESS)
                 run.untangled_by = REGULARIZED
             report.begin("minimize", (grid.node_count, 1))
-            controls = {"tolerance": tolerance, "max_iterations": limit, "keep_valid": keep_valid}
-            return minimize(problem, run.coordinates, report, **controls)  # type: ignore[arg-type]
+            controls: dict[str, Any] = {"tolerance": tolerance, "max_iterations": limit, "keep_valid": keep_valid}
+            if method == "local":
+                visit = LayoutSweeps(problem).visit
+                return sweep_until_converged(problem, run.coordinates, report, visit=visit, **controls)
+            return minimize(problem, run.coordinates, report, **controls)
 
         def solve() -> Outcome:
             if asked is not None and limit:
@@ -166,7 +171,7 @@ def optimize_layout(
             end = run.impossible() if folded else None
             if end is not None:
                 return end
-            if limit and fixed is None:
+            if limit and fixed is None and (folded or method == "newton"):
                 start = NestedLayouts(make, definition, parameters, report).start(run.present, problem)
                 run.take(start, folded=folded)
             return minimized()

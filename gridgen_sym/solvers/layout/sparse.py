@@ -105,7 +105,7 @@ class LayoutMatrix:
         joined = hessians if isinstance(hessians, np.ndarray) else np.concatenate([one.ravel() for one in hessians])
         blocks = joined[self._source].astype(np.float64)
         if self._turned:
-            blocks = _turned(blocks, *self._ends)
+            blocks = turned_blocks(blocks, *self._ends)
         values = np.concatenate((blocks.ravel(), blocks[:, self._beside].ravel()))[self._order]
         self._matrix.data = np.add.reduceat(values, self._starts) if len(values) else values
         return self._matrix
@@ -164,7 +164,7 @@ def _planes_after_planes(fixed: Sequence[Mask]) -> list[Indices]:
     return [np.array((a, mask.size, mask.shape[1])) for a, mask in zip(begin, fixed, strict=True)]
 
 
-def _turned(blocks: Array, first: Array, second: Array) -> Array:
+def turned_blocks(blocks: Array, first: Array, second: Array) -> Array:
     """Return R1ᵀ B R2 of blocks (4, n): xx, xy, yx, yy."""
     xx, xy, yx, yy = blocks
     c, s = first
