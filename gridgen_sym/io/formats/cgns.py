@@ -1,153 +1,158 @@
-"""CGNS grid files (.cgns), through HDF5: one base, one structured zone, its coordinates.
-
-Every node of the CGNS tree is an HDF5 group with the attributes name, label, type and flags, and its data in the
-dataset ' data', whose axes are those of Fortran: reversed.
-Source: CGNS Standard Interface Data Structures 4.x, and the mapping "SIDS File Mapping Manual, HDF5" (cgns.github.io).
-"""
+"""CGNS grid files (.cgns), through HDF5: one base, a structured zone for each block, boundaries and connections."""
 
 from __future__ import annotations
 
 import io
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...archives import check_packing
-from ...arrays import Array
-from ...errors import GridgenError, MissingExtraError, shortened
-from ...grids.grid import Grid
-from ..checks import plane_grid
-from ..format import Format
+from ...boundary.sides import Sides
+from ...errors import GridgenError, quoted, shortened
+from ...messages import report
+from ..cgns_parts import Zone, add_boundaries, add_connections, boundaries_in, connections_in, joined, whole_side
+from ..cgns_tree import LONGEST_NAME, add, begin, children, content, integers, library, name_of, only, text, words_of
+from ..format import Blocks, Format
+from ..plot3d_planes import Plane, plane_of
 
-_VERSION = np.array([3.1], dtype=np.float32)  # The oldest one with these nodes: older libraries read it, too.
 _COORDINATES = ("CoordinateX", "CoordinateY", "CoordinateZ")
 _WANTED = "CoordinateX and CoordinateY"
-#: Names of CGNS data types by those of NumPy.
-_TYPES = {"i1": "C1", "i4": "I4", "f4": "R4", "f8": "R8"}
+_PIECE = 1 << 20
+#: What damaged files raise in h5py.
+_FAULTS = (OSError, ValueError, TypeError, KeyError, RuntimeError, AttributeError, MemoryError, IndexError)
 
 
-def encode(grid: Grid) -> bytes:
-    """Return the grid as a CGNS file: a plane zone with the nodes' x and y, i along xi, j along eta.
+def encode(blocks: Blocks) -> Iterator[bytes]:
+    """Return the pieces of a CGNS file: a plane zone for each block, i along xi, j along eta.
+
+    Names of boundaries are those of families; the type of each is what its name says, as `wall`. A grid alone has its
+    sides as boundaries.
 
     Raises:
+        GridgenError: for names that a node of CGNS cannot have.
         MissingExtraError: if h5py is not installed.
     """
-    h5py = _library("writing")
+    h5py = library("writing")
+    _check_names(blocks)
     file = io.BytesIO()
     with h5py.File(file, "w", track_order=True) as root:
-        _describe(root, "HDF5 MotherNode", "Root Node of HDF5 File", "MT")
-        root.create_dataset(" format", data=_text("IEEE_LITTLE_32", 15))
-        root.create_dataset(" hdf5version", data=_text(f"HDF5 Version {h5py.version.hdf5_version}", 33))
-        _node(root, "CGNSLibraryVersion", "CGNSLibraryVersion_t", _VERSION)
-        base = _node(root, "Base", "CGNSBase_t", np.array([2, 2], dtype=np.int32))
-        nodes = np.array(grid.shape, dtype=np.int32)
-        zone = _node(base, "Zone", "Zone_t", np.stack((nodes, nodes - 1, 0 * nodes)))
-        _node(zone, "ZoneType", "ZoneType_t", _text("Structured"))
-        coordinates = _node(zone, "GridCoordinates", "GridCoordinates_t")
-        _node(coordinates, "CoordinateX", "DataArray_t", grid.x.T)
-        _node(coordinates, "CoordinateY", "DataArray_t", grid.y.T)
-    return file.getvalue()
+        begin(root, h5py.version.hdf5_version)
+        base = add(root, "Base", "CGNSBase_t", integers(2, 2))
+        for name in blocks.boundaries:
+            add(base, name, "Family_t")
+        for number, (name, grid) in enumerate(blocks.described):
+            nodes = np.array(grid.shape, dtype=np.int32)
+            zone = add(base, name, "Zone_t", np.stack((nodes, nodes - 1, 0 * nodes)))
+            add(zone, "ZoneType", "ZoneType_t", text("Structured"))
+            coordinates = add(zone, "GridCoordinates", "GridCoordinates_t")
+            add(coordinates, "CoordinateX", "DataArray_t", grid.x.T)
+            add(coordinates, "CoordinateY", "DataArray_t", grid.y.T)
+            add(zone, "Ordinal", "Ordinal_t", integers(number + 1))
+            add_boundaries(zone, blocks, number)
+            add_connections(zone, blocks, number)
+    return _pieces(file)
 
 
-def decode(data: bytes) -> Grid:
-    """Return the grid of a CGNS file with one structured zone, which must lie in a plane of constant z.
+def _pieces(file: io.BytesIO) -> Iterator[bytes]:
+    file.seek(0)
+    while piece := file.read(_PIECE):
+        yield piece
+
+
+def _check_names(blocks: Blocks) -> None:
+    """Refuse names that a node of CGNS cannot have, or that a block and a boundary have."""
+    names = [name for name, _ in blocks.described]
+    for what, name in [("block", name) for name in names] + [("boundary", name) for name in blocks.boundaries]:
+        if not 0 < len(name.encode("utf-8")) <= LONGEST_NAME or "/" in name or not name.isprintable() or name == ".":
+            raise GridgenError(
+                f"a CGNS file cannot hold the {what} name {quoted(name)}: take one of 1 to {LONGEST_NAME} bytes, "
+                "without slashes and line breaks"
+            )
+        if what == "boundary" and name in names:
+            raise GridgenError(
+                f"a CGNS file cannot hold a block and a boundary of one name, {quoted(name)}: rename one"
+            )
+
+
+def decode(stream: BinaryIO) -> Blocks:
+    """Return the blocks of a CGNS file with structured zones, each of which must be plane, or one layer of cells.
 
     Raises:
-        GridgenError: for a file that is not CGNS on HDF5 or damaged, several zones, an unstructured one or a volume.
+        GridgenError: for a file that is not CGNS on HDF5 or damaged, unstructured zones, volumes, and connections that
+            do not fit.
         MissingExtraError: if h5py is not installed.
     """
-    h5py = _library("reading")
-    if not data.startswith(b"\x89HDF"):
+    h5py = library("reading")
+    if stream.read(4) != b"\x89HDF":
         raise GridgenError("it is not on HDF5, perhaps on the older ADF: convert it by  adf2hdf")
+    stream.seek(0)
     try:
-        with h5py.File(io.BytesIO(data)) as root:
-            zone = _only(_only(root, "CGNSBase_t"), "Zone_t")
-            kinds = [bytes(_content(node)).decode("ascii") for node in _children(zone, "ZoneType_t")]
-            if kinds != ["Structured"]:
-                raise GridgenError(f"its zone is {shortened(', '.join(kinds)) or 'of no type'}; expected Structured")
-            found = {_name(node): node for node in _children(_only(zone, "GridCoordinates_t"), "DataArray_t")}
-            planes = [_plane(found[key]) for key in _COORDINATES if key in found]
-            if not {*_COORDINATES[:2]} <= found.keys():
-                raise GridgenError(
-                    f"it has the coordinates {shortened(', '.join(found)) or 'none'}; expected {_WANTED}"
-                )
-    except (OSError, ValueError, TypeError, KeyError, RuntimeError, AttributeError, MemoryError) as error:
+        with h5py.File(stream) as root:
+            return _blocks(root)
+    except _FAULTS as error:
         if isinstance(error, GridgenError):
             raise
         raise GridgenError(f"its tree is damaged ({shortened(error)}): write it again") from error
-    return plane_grid(*planes)
 
 
-def _library(purpose: str) -> Any:  # noqa: ANN401 - a module
-    try:
-        import h5py
-    except ImportError as error:
-        raise MissingExtraError(f"{purpose} a CGNS file", "io", "h5py") from error
-    return h5py
+def _blocks(root: Any) -> Blocks:  # noqa: ANN401 - h5py's groups
+    nodes = children(only(root, "CGNSBase_t"), "Zone_t")
+    if not nodes:
+        raise GridgenError("it has no nodes of the type Zone_t; expected one for each block")
+    planes = [_plane(node) for node in nodes]
+    for remark in dict.fromkeys(plane.remark for _, plane in planes if plane.remark):
+        report(remark)
+    zones = [
+        Zone(number, name_of(node), sizes, tuple(axis for axis in range(3) if axis != plane.across)[:2])  # type: ignore[arg-type]
+        for number, (node, (sizes, plane)) in enumerate(zip(nodes, planes, strict=True))
+    ]
+    found = [pair for node, zone in zip(nodes, zones, strict=True) for pair in boundaries_in(node, zone)]
+    boundaries: dict[str, tuple[Any, ...]] = {}
+    for _, name, part in sorted(found, key=lambda pair: pair[0]):
+        boundaries[name] = (*boundaries.get(name, ()), part)
+    bonds = [connections_in(node, zone, zones) for node, zone in zip(nodes, zones, strict=True)]
+    said = [pair for pairs in bonds if pairs for pair in pairs]
+    grids = tuple(plane.grid for _, plane in planes)
+    sides = {side: (whole_side(0, side, grids[0].shape),) for side in Sides._fields}
+    if len(grids) == 1 and boundaries == sides and bonds == [None]:
+        boundaries = {}  # Of a grid alone, in which a cut is not connected yet.
+    return Blocks(
+        grids,
+        tuple(zone.name for zone in zones),
+        None if all(pairs is None for pairs in bonds) else joined(said),
+        boundaries,
+    )
 
 
-def _children(group: Any, label: str) -> list[Any]:  # noqa: ANN401 - h5py's groups
-    """Return the nodes with a label directly below one."""
-    # A link into another file may lead anywhere.
-    inside = [key for key in group if type(group.get(key, getlink=True)).__name__ != "ExternalLink"]
-    nodes = [group[key] for key in inside if group.get(key, getclass=True).__name__ == "Group"]
-    return [node for node in nodes if bytes(node.attrs.get("label", b"")).rstrip(b"\0 ") == label.encode()]
+def _plane(zone: Any) -> tuple[tuple[int, ...], Plane]:  # noqa: ANN401
+    """Return the numbers of nodes of a zone along its indices, and its plane."""
+    kinds = [words_of(node) for node in children(zone, "ZoneType_t")]
+    if kinds != ["Structured"]:
+        kind = shortened(", ".join(kinds)) or "of no type"
+        raise GridgenError(f"its zone {name_of(zone)} is {kind}; expected Structured")
+    found = {name_of(node): node for node in children(only(zone, "GridCoordinates_t"), "DataArray_t")}
+    if not {*_COORDINATES[:2]} <= found.keys():
+        raise GridgenError(f"it has the coordinates {shortened(', '.join(found)) or 'none'}; expected {_WANTED}")
+    values = [(key, content(found[key])) for key in _COORDINATES if key in found]
+    sizes = _sizes(zone)
+    space = (sizes[0], sizes[1], sizes[2] if len(sizes) == 3 else 1)
+    for key, array in values:
+        if array.shape[::-1] not in (sizes, space):
+            raise GridgenError(f"{key} has the shape {array.shape[::-1]}; expected {sizes}, that of its zone")
+    return sizes, plane_of([array.ravel() for _, array in values], space, len(values), holes=False)
 
 
-def _only(group: Any, label: str) -> Any:  # noqa: ANN401
-    """Return the one node with a label below another."""
-    nodes = _children(group, label)
-    if len(nodes) != 1:
-        raise GridgenError(f"it has {len(nodes)} nodes of the type {label}; expected 1: write one zone alone")
-    return nodes[0]
-
-
-def _name(node: Any) -> str:  # noqa: ANN401
-    return str(node.name).rpartition("/")[2]
-
-
-def _content(node: Any) -> NDArray[Any]:  # noqa: ANN401
-    """Return the data of a node, which must not take more memory than its part of the file allows."""
-    data = node[" data"]
-    if data.dtype.kind not in "iuf":
-        raise GridgenError(f"the data of {_name(node)} are no numbers, but {data.dtype}")
-    if data.external or data.is_virtual:
-        raise GridgenError(f"the data of {_name(node)} are in another file: write them into one")
-    check_packing(data.id.get_storage_size(), data.nbytes, f"the array {_name(node)}")
-    content: NDArray[Any] = data[()]
-    return content
-
-
-def _plane(node: Any) -> Array:  # noqa: ANN401
-    """Return a coordinate as a plane (ni, nj); a volume of one k plane is one."""
-    values = _content(node)
-    if values.ndim == 3 and values.shape[0] == 1:
-        values = values[0]
-    if values.ndim != 2:
-        raise GridgenError(f"{_name(node)} has the shape {values.shape[::-1]}; expected (ni, nj): cut out one k plane")
-    return values.T.astype(np.float64)
-
-
-def _node(parent: Any, name: str, label: str, data: NDArray[Any] | None = None) -> Any:  # noqa: ANN401 - h5py's groups
-    """Add a node to the tree, with its data, if it has any."""
-    group = parent.create_group(name, track_order=True)
-    _describe(group, name, label, "MT" if data is None else _TYPES[data.dtype.str[1:]])
-    group.attrs.create("flags", np.array([1], dtype=np.int32))
-    if data is not None:
-        group.create_dataset(" data", data=data)
-    return group
-
-
-def _describe(group: Any, name: str, label: str, kind: str) -> None:  # noqa: ANN401
-    """Add the attributes that every node has, texts of fixed lengths."""
-    for attribute, text, length in (("name", name, 33), ("label", label, 33), ("type", kind, 3)):
-        group.attrs.create(attribute, np.bytes_(text), dtype=f"S{length}")
-
-
-def _text(text: str, length: int = 0) -> NDArray[np.int8]:
-    """Return text as CGNS has it: numbers of one byte, filled with zeros up to a length."""
-    return np.frombuffer(text.encode("ascii").ljust(length, b"\0"), dtype=np.int8)
+def _sizes(zone: Any) -> tuple[int, ...]:  # noqa: ANN401
+    """Return the numbers of nodes of a zone along its two or three indices."""
+    numbers = content(zone)
+    if numbers.ndim != 2 or numbers.shape[0] != 3 or numbers.shape[1] not in (2, 3) or numbers.dtype.kind not in "iu":
+        raise GridgenError(f"its zone {name_of(zone)} has sizes of the shape {numbers.shape[::-1]}; expected (2, 3)")
+    if numbers[0].min() < 1:
+        raise GridgenError(
+            f"its zone {name_of(zone)} has {numbers[0].tolist()} nodes; expected at least 1 of each index"
+        )
+    return tuple(numbers[0].tolist())
 
 
 FORMAT = Format(
@@ -155,10 +160,14 @@ FORMAT = Format(
     suffixes=(".cgns",),
     decode=decode,
     encode=encode,
+    streamed=True,
+    several=True,
+    names=True,
     binary=True,
-    dimensions="a plane, or a volume of one k plane of constant z",
+    dimensions="as a PLOT3D grid",
     extra=("io", "h5py"),
-    writes="CGNS on HDF5: one structured zone",
-    reads="also single precision and compressed arrays",
-    test="tests/io/test_cgns.py::test_the_tree_is_that_of_the_standard",
+    writes="CGNS on HDF5: a structured zone for each block; `ZoneBC_t` with names (families) and types, "
+    "`GridConnectivity1to1_t`, also periodic",
+    reads="also single precision, compressed arrays, and layers of one cell",
+    test="tests/io/test_cgns.py::test_pycgns_and_vtk_read_what_is_written",
 )
