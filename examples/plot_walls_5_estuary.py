@@ -37,11 +37,9 @@ print(f"mean degrees off 90: {result.quality.non_orthogonality.mean:.2f}")
 across = np.cumsum(np.concatenate((np.zeros((129, 1)), np.hypot(*np.diff(result.grid.planes, axis=2))), axis=1), axis=1)
 depth = 18 * (1 - (2 * across / across[:, -1:] - 1) ** 2) ** 2 + 1
 
-figure = Figure(figsize=(12, 4.5), layout="constrained")
-whole, near = figure.subplots(1, 2, width_ratios=(2, 1))
+figure = Figure(figsize=(9, 6.5), layout="constrained")
+whole, near = figure.subplots(2, 1, height_ratios=(1, 1.8))
 for axes, title in ((whole, "the estuary, and its depth in m"), (near, "its upper end")):
-    shown = axes.pcolormesh(result.grid.x, result.grid.y, depth, cmap="Blues", shading="gouraud")
-    gg.plot_grid(result.grid, ax=axes, title=title)
-near.set(xlim=(39, 40.4), ylim=(1.4, 2.8))
-figure.colorbar(shown, ax=whole, shrink=0.6)
+    gg.plot_grid(result.grid, ax=axes, title=title, under=depth)
+near.set(xlim=(38.2, 41), ylim=(1.4, 2.8))
 figure.savefig("estuary.png", dpi=150)

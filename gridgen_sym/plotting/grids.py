@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 MOST_LINES = 260  # Along each axis: more would run together to a black area, and make huge vector files.
 _LARGEST = 1e300  # Extents of larger coordinates overflow.
 MOST_FOLDS = 20_000  # Of more folded cells every n-th is drawn; all are counted.
+_SQUARE = 3.6  # Inches of each side of a panel with a square grid.
+_TITLE = 0.7  # A panel with a slender grid is so much of that wide, for its title.
+_WRITTEN = 0.9  # Inches of the height that go to the title, the ticks and the legend.
 _PANEL = 3.2  # Inches that the panel of a wall takes beside the picture.
 _INK, _EDGE, ALARM = "#26323d", "#0b1016", "#d7191c"
 
@@ -104,7 +107,8 @@ def plot_grids(
         check_drawable(pair[1])
     across = min(columns, len(grids))
     down = -(-len(grids) // across)
-    figure = new_figure(3.6 * across, 3.6 * down)
+    width, height = np.max([_proportions(grid) for _, grid in grids], axis=0)
+    figure = new_figure(_SQUARE * max(width, _TITLE) * across, (_WRITTEN + (_SQUARE - _WRITTEN) * height) * down)
     for k, (title, grid) in enumerate(grids):
         draw_grid(figure.add_subplot(down, across, k + 1), grid, title, ink=0.6)
     if path is not None:
@@ -134,12 +138,17 @@ def _blocks(grid: Grid | MultiBlock) -> Sequence[Grid]:
     return grid.blocks if isinstance(grid, MultiBlock) else (grid,)
 
 
-def _axes(grid: Grid | MultiBlock, with_panel: bool) -> tuple[Axes, Axes | None]:
-    """Return axes of a new figure with about the proportions of the grid, and a panel at their right."""
+def _proportions(grid: Grid | MultiBlock) -> tuple[float, float]:
+    """Return the width and the height of a grid, of which the larger one is 1."""
     halves = np.concatenate([block.planes.reshape(2, -1) / 2 for block in _blocks(grid)], axis=1)
     width, height = np.ptp(halves, axis=1).tolist()
-    largest = max(width, height) or 1.0
-    inches = [1.0 + 6.0 * float(np.clip(side / largest, 0.3, 1.0)) for side in (width, height)]
+    largest = max(width, height)
+    return (width / largest, height / largest) if largest > 0 else (1.0, 1.0)
+
+
+def _axes(grid: Grid | MultiBlock, with_panel: bool) -> tuple[Axes, Axes | None]:
+    """Return axes of a new figure with about the proportions of the grid, and a panel at their right."""
+    inches = [1.0 + 6.0 * max(side, 0.3) for side in _proportions(grid)]
     if not with_panel:
         return new_figure(*inches).add_subplot(), None
     figure = new_figure(inches[0] + _PANEL, max(inches[1], _PANEL))

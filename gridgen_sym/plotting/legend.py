@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -23,8 +25,17 @@ def write_legend(ax: Axes, marker_scale: float) -> None:
             fontsize=8,
             frameon=False,
             markerscale=marker_scale,
-            ncols=_columns(labels, ax.get_position().width * ax.figure.figure.get_figwidth()),
+            ncols=_columns(labels, _room(ax)),
         )
+
+
+def _room(ax: Axes) -> float:
+    """Return the width in inches that belongs to axes: of panels beside each other, that of the column."""
+    width, place = float(ax.figure.figure.get_figwidth()), ax.get_subplotspec()
+    if place is None:
+        return width * float(ax.get_position().width)
+    ratios = np.asarray(place.get_gridspec().get_width_ratios(), dtype=float)
+    return float(width * ratios[place.colspan.start : place.colspan.stop].sum() / ratios.sum())
 
 
 def _columns(labels: Sequence[str], width: float) -> int:

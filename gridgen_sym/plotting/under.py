@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _SAMPLES = 400  # Along the longer side of a picture: about two pixels each.
 _MARGIN = 0.04
+_UNNAMED = "field"
 _COLORS, _OPACITY = "YlGnBu", 0.6  # Dark lines are seen on them.
 
 
@@ -37,7 +38,7 @@ def draw_under(ax: Axes, blocks: Sequence[Grid], under: ScalarField | Source) ->
     """
     from ..fields import as_scalar
 
-    field = as_scalar(under, "the field")
+    field = as_scalar(under, f"the {_UNNAMED}")
     if field.per_node and len(blocks) > 1:
         raise GridgenError(
             f"the field is an array, which belongs to one grid, and here are {len(blocks)} blocks: give a formula, a "
@@ -57,7 +58,8 @@ def draw_under(ax: Axes, blocks: Sequence[Grid], under: ScalarField | Source) ->
     bar = ax.figure.colorbar(image, ax=ax, shrink=0.8, aspect=30, pad=0.02)
     bar.ax.tick_params(labelsize=7, color="#8a949e", labelcolor="#56616b")
     bar.outline.set_edgecolor("#c9d0d6")
-    bar.set_label(field_label(field), fontsize=8)
+    if field_label(field) != _UNNAMED:
+        bar.set_label(field_label(field), fontsize=8)
 
 
 def _raster(blocks: Sequence[Grid]) -> tuple[Array, Array]:

@@ -84,6 +84,28 @@ def test_panels(tmp_path):
             plot_grids(grids, columns=columns)
 
 
+def test_panels_have_the_proportions_of_their_grids():
+    square = domain("square", 5, 5).xy
+    for stretch, slender in (((1, 1), False), ((1, 4), True)):
+        width, height = plot_grids([("a", Grid(square * stretch)), ("b", Grid(square * stretch))]).get_size_inches()
+        assert (width < 1.5 * height) == slender
+
+
+def test_legends_take_as_few_rows_as_there_is_room_for():
+    layout = butterfly(4, 3)
+    sides = [("south", "bottom"), ("east", "bottom"), ("north", "bottom"), ("west", "bottom")]
+
+    def columns(names):
+        named = MultiBlock(
+            dict(zip(layout.names, layout.blocks, strict=True)),
+            boundaries={name: [side] for name, side in zip(names, sides, strict=True)},
+        )
+        return plot_grid(named).axes[0].get_legend()._ncols
+
+    assert columns(["a", "b", "c", "d"]) == 4
+    assert columns(["a boundary with a long name " + end for end in "abcd"]) == 2
+
+
 def test_axes_of_the_caller():
     figure = Figure()
     left, right = figure.subplots(1, 2)

@@ -136,7 +136,7 @@ def test_a_field_is_drawn_under_the_lines_where_it_has_values(tmp_path):
         assert ax.get_aspect() == 1.0
         values = np.ma.masked_invalid(mesh.get_array())
         assert values.count() / values.size == pytest.approx(covered, abs=0.1)
-        assert bar.get_ylabel() == ("field" if not isinstance(under, str) else under)
+        assert bar.get_ylabel() == (under if isinstance(under, str) else "")
     gg.plot_grid(square, tmp_path / "under.png", under="x")
     for grid, under, match in (
         (gg.layout("pipe"), np.ones((3, 3)), "belongs to one grid"),

@@ -107,6 +107,8 @@ def test_notebooks_show_a_page_in_a_frame(made):
 def test_notebooks_show_results_and_thin_large_grids():
     result = gg.optimize(gg.domain("wavy", 9, 9), "winslow")
     assert html.escape(str(result)) in result._repr_html_()
+    adapted = gg.adapt(gg.domain("square", 9, 9), "tanh(9*(x + y - 1))", max_iterations=1)
+    assert html.escape(str(adapted)) in adapted._repr_html_()
     large = gg.domain("square", 1025, 513)
     shown = large._repr_html_()
     assert len(shown) < 20 * MOST_NODES

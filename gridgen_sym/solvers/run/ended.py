@@ -12,9 +12,10 @@ if TYPE_CHECKING:
 
 
 class Ended:
-    """A result with a status."""
+    """A result with a grid and a status."""
 
     __slots__ = ()
+    grid: Grid | MultiBlock
     status: Status
 
     @property
@@ -27,12 +28,17 @@ class Ended:
         """Whether Ctrl-C, the time limit or the callback stopped it."""
         return self.stopped_by is not None
 
+    def _repr_html_(self) -> str:
+        """Show in a notebook how it ended, and the grid."""
+        from ...plotting.notebook import html_of
+
+        return html_of(self.grid, str(self))
+
 
 class Iterated(Ended):
     """A result of iterations that converge or not."""
 
     __slots__ = ()
-    grid: Grid | MultiBlock
     converged: bool
     iterations: int
     message: str
@@ -41,9 +47,3 @@ class Iterated(Ended):
         """Report in one line how it ended."""
         state = "converged" if self.converged else "NOT converged"
         return f"{state} after {self.iterations} iterations: {self.message}"
-
-    def _repr_html_(self) -> str:
-        """Show in a notebook how it ended, and the grid."""
-        from ...plotting.notebook import html_of
-
-        return html_of(self.grid, str(self))
