@@ -120,9 +120,9 @@ def grid(
     INPUT is the name of a domain (see 'gridgen-sym domains'; parameters as in horseshoe_map:R=4.5), the file of an
     outline (points x,y and '# corners: ...', a map or a drawing; see 'gridgen-sym formats'), the name of a layout of
     several blocks (see 'gridgen-sym layouts'; parameters as in pipe:across=16), a layout in TOML (.toml) or a mesh of
-    quadrilaterals (.mesh), or a grid file, which is the start. A file of several blocks is one grid, connected as the
-    map (.nmf) beside it says, or where nodes coincide. Exits with 1 if the result has folded cells or the functional
-    has no derivative there, and after Ctrl-C, which writes the best grid so far, with 130.
+    quadrilaterals (.mesh, .msh), or a grid file, which is the start. A file of several blocks is one grid, connected
+    as the map (.nmf) beside it says, or where nodes coincide. Exits with 1 if the result has folded cells or the
+    functional has no derivative there, and after Ctrl-C, which writes the best grid so far, with 130.
     """
     from ..io import check_written
     from ..solvers.run.status import Status, StopReason

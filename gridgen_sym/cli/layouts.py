@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..topology import MultiBlock
 
 #: Suffixes of files that describe a layout, and have no nodes of blocks.
-DESCRIPTIONS = (".toml", ".mesh")
+DESCRIPTIONS = (".toml", ".mesh", ".msh")
 LAYOUT_HELP = (
     "Connect the sides of a grid file of one block, too, so that the nodes on the cut of a C- or O-grid move; of a "
     "name that is a domain's and a layout's, the layout."
@@ -30,7 +30,7 @@ def layout_start(source: str, refine: int | None) -> MultiBlock:
     """Return the start of a layout.
 
     Args:
-        source: a description (`.toml`), a mesh of quadrilaterals (`.mesh`), or the name of a shape with its
+        source: a description (`.toml`), a mesh of quadrilaterals (`.mesh`, `.msh`), or the name of a shape with its
             parameters, such as `pipe:radius=2,across=16`.
         refine: see `read_layout`; not for a shape.
 

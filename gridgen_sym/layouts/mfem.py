@@ -8,7 +8,6 @@ along each, values go from the vertex of the lower number to the other; within a
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -16,28 +15,13 @@ import numpy.typing as npt
 from ..arrays import Array
 from ..errors import GridgenError, quoted
 from .lagrange import lobatto_points
+from .mesh import QuadrilateralMesh
 
 _SQUARE, _SEGMENT = "3", "1"
 _COLLECTION = re.compile(r"H1_2D_P(\d+)")
+_SET = re.compile(r'"(.*)"\s+\d+\s+(.*)')
 _NAMED_ORDERS = {"Linear": 1, "Quadratic": 2}
 _SECTIONS = ("dimension", "elements", "attribute_sets", "boundary", "bdr_attribute_sets", "vertices", "nodes")
-
-
-@dataclass(frozen=True, slots=True)
-class QuadrilateralMesh:
-    """Quadrilaterals with a polynomial map each.
-
-    Attributes:
-        corners: the vertices of each, counter-clockwise; (n, 4).
-        nodes: of each map, (n, p + 1, p + 1, 2): along the edge from its first to its second vertex, and across.
-        places: of the nodes in [0, 1]; (p + 1,).
-        boundary: the two vertices of each edge of the boundary, and its attribute; (m, 3).
-    """
-
-    corners: npt.NDArray[np.intp]
-    nodes: Array
-    places: Array
-    boundary: npt.NDArray[np.intp]
 
 
 def decode(data: bytes) -> QuadrilateralMesh:
@@ -91,7 +75,14 @@ def _mesh(sections: dict[str, list[str]]) -> QuadrilateralMesh:
             f"expected {lattice.max() + 1} finite nodes (x, y) of order {order}; came {len(values)} of "
             f"{values.shape[1]} numbers"
         )
-    return QuadrilateralMesh(corners, values[lattice], lobatto_points(order), boundary)
+    names = _set_names(sections.get("bdr_attribute_sets", []))
+    return QuadrilateralMesh(corners, values[lattice], lobatto_points(order), boundary, names)
+
+
+def _set_names(lines: list[str]) -> dict[int, str]:
+    """Return the names of attributes from the rows of a section of sets, such as `"wall" 2 7 8`."""
+    matches = (_SET.fullmatch(line) for line in lines[1:])
+    return {int(attribute): match[1] for match in matches if match for attribute in match[2].split()}
 
 
 def _rows(lines: list[str], shape: str, what: str, vertices: int) -> list[list[str]]:

@@ -9,7 +9,7 @@ from ..grids import Grid
 from ..topology import Connection, MultiBlock
 from ..topology.connection import PartLike
 from .lagrange import interpolation
-from .mfem import QuadrilateralMesh
+from .mesh import QuadrilateralMesh
 
 #: The sides of a block between the vertices of a quadrilateral, counter-clockwise.
 _SIDES = ("bottom", "right", "top", "left")
@@ -19,7 +19,7 @@ def layout_of_mesh(mesh: QuadrilateralMesh, refine: int) -> MultiBlock:
     """Return a layout with a block of refine x refine cells for every quadrilateral.
 
     Nodes are the places of the map of each at equal steps. Edges of two quadrilaterals are connections; the others have
-    the names of their attributes, where they have any.
+    the names of their attributes, where they have any, or else the numbers of these.
 
     Raises:
         GridgenError: for an edge of more than two quadrilaterals.
@@ -38,7 +38,7 @@ def layout_of_mesh(mesh: QuadrilateralMesh, refine: int) -> MultiBlock:
     for one, other, attribute in mesh.boundary.tolist():
         parts = sides.get(frozenset((one, other)), [])
         if len(parts) == 1:  # Attributes of edges within the mesh name no boundary.
-            boundaries.setdefault(str(attribute), []).extend(parts)
+            boundaries.setdefault(mesh.names.get(attribute, str(attribute)), []).extend(parts)
     return MultiBlock(
         {str(block): Grid(one) for block, one in enumerate(nodes)},
         [Connection(*parts) for parts in sides.values() if len(parts) == 2],

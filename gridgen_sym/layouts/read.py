@@ -10,9 +10,11 @@ import numpy as np
 from ..atomic import file_name, read_bytes, shown
 from ..errors import GridgenError, quoted
 from ..topology import MultiBlock
-from . import description, mfem
+from . import description, gmsh, mfem
 from .quadrilaterals import layout_of_mesh
 
+#: What reads a mesh, by the suffix of its file.
+_MESHES = {".mesh": mfem.decode, ".msh": gmsh.decode}
 #: Cells along each side of a quadrilateral of a mesh.
 _CELLS = 4
 
@@ -22,7 +24,7 @@ def read_layout(path: str | os.PathLike[str], *, refine: int | None = None) -> M
 
     Args:
         path: of a description in TOML (`.toml`): points, curves, blocks, cells, boundaries; or of a mesh of
-            quadrilaterals (`.mesh`, MFEM), each of which becomes a block.
+            quadrilaterals (`.mesh`, MFEM; `.msh`, Gmsh), each of which becomes a block.
         refine: a factor for all numbers of cells of a description, 1 without it; of a mesh the cells along each side of
             a quadrilateral, 4 without it.
 
@@ -33,10 +35,10 @@ def read_layout(path: str | os.PathLike[str], *, refine: int | None = None) -> M
         GridgenError: for a file that is missing, of another kind or describes no layout; the message names the path.
     """
     suffix = Path(file_name(path)).suffix.lower()
-    if suffix not in (".toml", ".mesh"):
+    if suffix not in (".toml", *_MESHES):
         raise GridgenError(
             f"cannot read a layout from {shown(path)}: expected a description (.toml) or a mesh of quadrilaterals "
-            "(.mesh, MFEM); files of grids are read by gridgen_sym.read"
+            "(.mesh, MFEM; .msh, Gmsh); files of grids are read by gridgen_sym.read"
         )
     least = 1 if suffix == ".toml" else 2
     if refine is not None and (not isinstance(refine, int | np.integer) or isinstance(refine, bool) or refine < least):
@@ -45,6 +47,6 @@ def read_layout(path: str | os.PathLike[str], *, refine: int | None = None) -> M
     try:
         if suffix == ".toml":
             return description.decode(data, Path(path).parent).layout(int(refine or 1))
-        return layout_of_mesh(mfem.decode(data), int(refine or _CELLS))
+        return layout_of_mesh(_MESHES[suffix](data), int(refine or _CELLS))
     except GridgenError as error:
         raise GridgenError(f"cannot read the layout {shown(path)}: {error}") from error

@@ -75,6 +75,14 @@ def test_quadrilaterals_become_blocks(tmp_path):
     assert read(tmp_path, STRAIGHT).blocks[0].shape == (5, 5)
 
 
+def test_sets_of_attributes_name_boundaries(tmp_path):
+    """Ours are read with their names, and a set may hold several attributes."""
+    named = STRAIGHT.replace("vertices", 'bdr_attribute_sets\n1\n"wall" 2 7 8\n\nvertices')
+    assert {name: len(parts) for name, parts in read(tmp_path, named).boundaries.items()} == {"wall": 3}
+    gg.layout("tee", across=4, height=1.0, branch=1.0).write(tmp_path / "tee.mesh")
+    assert set(gg.read_layout(tmp_path / "tee.mesh", refine=2).boundaries) == {"inlet", "outlet", "branch", "wall"}
+
+
 @pytest.mark.parametrize(("order", "ordering"), [(3, 0), (4, 0), (5, 1)])
 def test_nodes_lie_on_the_curved_map(tmp_path, order, ordering):
     layout = read(tmp_path, curved(order, ordering), refine=7)
