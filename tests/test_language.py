@@ -39,6 +39,8 @@ BRITISH = re.compile(
     r"|programme\b|licence|grey\b|\bcentre|\bmetre|analyse|catalogue|towards\b)",
     re.IGNORECASE,
 )
+#: Files and keywords of OpenFOAM, which are British.
+NAMES = re.compile(r"\"neighbour\"|\"neighbourPatch\"|\bneighbourPatch |\brotationCentre\b")
 #: Words of our own, and what the field says.
 INVENTED = {
     r"\blets? expect": "predicted from the boundary spacing",
@@ -56,6 +58,7 @@ INVENTED = {
 
 def slips(text):
     """Return the words of a text that are British or our own, as a list of (what, line)."""
+    text = NAMES.sub("", text)
     found = [(match[0], text.count("\n", 0, match.start()) + 1) for match in BRITISH.finditer(text)]
     for pattern, better in INVENTED.items():
         for match in re.finditer(pattern.replace(" ", r"\s+"), text, re.IGNORECASE):

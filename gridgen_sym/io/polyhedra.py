@@ -21,7 +21,7 @@ class Layer:
         back: the faces of the plane z = 0.
         front: those of the other plane.
         owners: the cells of all faces, in parts: inner, outer, back, front; the normal of a face leads out of it.
-        neighbours: the other cells of the inner faces.
+        neighbors: the other cells of the inner faces.
     """
 
     points: Array
@@ -30,7 +30,7 @@ class Layer:
     back: Indices
     front: Indices
     owners: tuple[Indices, ...]
-    neighbours: tuple[Indices, ...]
+    neighbors: tuple[Indices, ...]
 
 
 def layer_of(mesh: Mesh) -> Layer:
@@ -39,8 +39,8 @@ def layer_of(mesh: Mesh) -> Layer:
     flat = np.column_stack((mesh.points, np.zeros(count)))
     raised = flat + np.array([0.0, 0.0, _thickness(mesh)])
     edges = _Edges.of(cells, count)
-    inner = np.flatnonzero(edges.neighbour >= 0)
-    inner = inner[np.lexsort((edges.neighbour[inner], edges.owner[inner]))]
+    inner = np.flatnonzero(edges.neighbor >= 0)
+    inner = inner[np.lexsort((edges.neighbor[inner], edges.owner[inner]))]
     outer = [np.roll(_upright(patch.edges, count), -1 if patch.shadow else 0, axis=1) for patch in mesh.patches]
     every = np.arange(len(cells))
     return Layer(
@@ -50,7 +50,7 @@ def layer_of(mesh: Mesh) -> Layer:
         back=cells[:, ::-1],
         front=cells + count,
         owners=(edges.owner[inner], *(edges.cells(patch.edges, count) for patch in mesh.patches), every, every),
-        neighbours=(edges.neighbour[inner],),
+        neighbors=(edges.neighbor[inner],),
     )
 
 
@@ -75,13 +75,13 @@ class _Edges:
         keys: one number for the two nodes.
         nodes: of each, with its owner on the left; (edges, 2).
         owner: the cell on it, of two the one of the lower number.
-        neighbour: the other one; -1 on the boundary.
+        neighbor: the other one; -1 on the boundary.
     """
 
     keys: Indices
     nodes: Indices
     owner: Indices
-    neighbour: Indices
+    neighbor: Indices
 
     @classmethod
     def of(cls, cells: Indices, count: int) -> _Edges:
@@ -92,9 +92,9 @@ class _Edges:
         every = every[order]
         first = np.flatnonzero(np.diff(every, prepend=-1))
         shared = np.diff(np.append(first, len(every))) == 2
-        neighbour = np.full(len(first), -1)
-        neighbour[shared] = order[first[shared] + 1] // 4
-        return cls(every[first], directed[order[first]], order[first] // 4, neighbour)
+        neighbor = np.full(len(first), -1)
+        neighbor[shared] = order[first[shared] + 1] // 4
+        return cls(every[first], directed[order[first]], order[first] // 4, neighbor)
 
     def cells(self, edges: Indices, count: int) -> Indices:
         """Return the owners of edges."""

@@ -87,7 +87,7 @@ def test_one_block_with_its_connections_goes_to_every_format(tmp_path, suffix):
     layout = LAYOUTS["ring"]()
     layout.write(tmp_path / f"ring{suffix}")
     assert_same(gg.read(tmp_path / f"ring{suffix}", layout=True), layout)
-    with pytest.raises(gg.GridgenError, match=r"holds one block, and here are 2; use one of \.xyz, \.p2dfmt, .*\.vtm"):
+    with pytest.raises(gg.GridgenError, match=r"holds one block, and here are 2; use one of .*\.xyz, .*\.vtm"):
         turned().write(tmp_path / f"two{suffix}")
     assert not (tmp_path / "two.nmf").exists()
 

@@ -186,19 +186,19 @@ def test_the_folder_of_openfoam(tmp_path, name):
     assert [p.name for p in folder.parent.iterdir()] == ["polyMesh"]
     assert sorted(p.name for p in folder.iterdir()) == ["boundary", "faces", "neighbour", "owner", "points"]
     points, faces = foam(folder / "points"), foam(folder / "faces").astype(int)
-    owner, neighbour = (foam(folder / file).astype(int).ravel() for file in ("owner", "neighbour"))
-    mesh, inner = mesh_of(content(made)), len(neighbour)
+    owner, neighbor = (foam(folder / file).astype(int).ravel() for file in ("owner", "neighbour"))
+    mesh, inner = mesh_of(content(made)), len(neighbor)
     a, b, c, d = (points[faces[:, k]] for k in range(4))
     normals, centers = np.cross(c - a, d - b) / 2, (a + b + c + d) / 4
     closed, volume = np.zeros((len(mesh.cells), 3)), np.zeros(len(mesh.cells))
-    for cells, sign in ((owner, 1), (neighbour, -1)):
+    for cells, sign in ((owner, 1), (neighbor, -1)):
         np.add.at(closed, cells, sign * normals[: len(cells)])
         np.add.at(volume, cells, sign * (normals * centers).sum(axis=1)[: len(cells)] / 3)
     assert np.abs(closed).max() < 1e-14
     thickness = points[:, 2].max()
     assert volume == pytest.approx(area(mesh.points, mesh.cells) * thickness, rel=1e-9)
-    assert (owner[:inner] < neighbour).all()
-    order = np.lexsort((neighbour, owner[:inner]))
+    assert (owner[:inner] < neighbor).all()
+    order = np.lexsort((neighbor, owner[:inner]))
     assert np.array_equal(order, np.arange(inner))
     patches = patches_of(folder / "boundary")
     assert [*patches] == [*(patch.name for patch in mesh.patches), "frontAndBack"]

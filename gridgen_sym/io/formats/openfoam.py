@@ -42,7 +42,7 @@ def encode(blocks: Blocks) -> dict[str, bytes | Iterator[bytes]]:
         "points": _points(layer),
         "faces": _faces(layer, faces),
         "owner": _labels("owner", note, layer.owners),
-        "neighbour": _labels("neighbour", note, layer.neighbours),
+        "neighbour": _labels("neighbour", note, layer.neighbors),
         "boundary": _boundary(mesh, layer),
     }
 
