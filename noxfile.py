@@ -32,7 +32,7 @@ DERIVATIONS = (
 )
 
 #: Other people's readers of grid files; only the tests use them.
-INDEPENDENT_READERS = ("gmsh", "vtk", "pyCGNS")
+INDEPENDENT_READERS = ("gmsh", "vtk", "pyCGNS", "xgcm")
 #: Drives Chromium (Debian's packages chromium and chromium-driver), where there is one.
 BROWSER = "selenium>=4.20"
 

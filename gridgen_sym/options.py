@@ -126,7 +126,8 @@ FILES = _table(
 OCEAN = _table(
     Option("depth", "Depth in meters, positive downwards"),
     Option("min_depth", "Least depth in meters, also on land", float, default=1.0),
-    Option("land", "Where there is land, besides islands"),
+    Option("coast", "Coast around the water, outside of which is land"),
+    Option("land", "Where there is land, too"),
 )
 
 #: Of `airfoil_grid`.

@@ -78,7 +78,7 @@ def adapt(
     of_monitor = {"measure": monitor, "feature_fraction": fraction, "smoothing": smoothing}
     chosen = Monitor(**{name: value for name, value in of_monitor.items() if value is not None})  # type: ignore[arg-type]
     boundary = {key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "crs")}
-    deep = {key: options.pop(key) for key in ("depth", "min_depth", "land")}
+    deep = {key: options.pop(key) for key in ("depth", "min_depth", "coast", "land")}
     given = {key: value for key, value in options.items() if value is not None}
     given["parameters"] = parameters_of(given.get("functional", ADAPTATION["functional"].default), parameters)
     begun = start_grid(input, **boundary)

@@ -133,7 +133,7 @@ def grid(
     boundary = {
         key: options.pop(key) for key in ("size", "corners", "sampling", "sides", "reorient", "layout", "refine", "crs")
     }
-    deep = {key: options.pop(key) for key in ("depth", "min_depth", "land")}
+    deep = {key: options.pop(key) for key in ("depth", "min_depth", "coast", "land")}
     check_outputs(output, plot)
     begun = start_grid(input, **boundary)
     field = under_of(under, plot, begun.projection)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import GridgenError
 from ..options import OCEAN
+from ..outlines import read_content
 from .options import option
 from .samples import depth_of, source_of
 
@@ -27,6 +28,11 @@ _OPTIONS = (
         metavar="FILE",
     ),
     option(OCEAN["min_depth"], metavar="METERS"),
+    option(
+        OCEAN["coast"],
+        more=": the file of an outline, whose islands are land, too; in longitude and latitude with --crs",
+        metavar="FILE",
+    ),
     option(OCEAN["land"], more=": a file as for --depth, not 0 on land", metavar="FILE"),
 )
 
@@ -50,6 +56,7 @@ class Ocean:
         *,
         depth: str | None,
         min_depth: float | None,
+        coast: str | None,
         land: str | None,
     ) -> None:
         """Read the files.
@@ -57,8 +64,15 @@ class Ocean:
         Raises:
             GridgenError: for a file that cannot be read, or an output that has no place for depth and land.
         """
-        self.projection, self._islands, self._path = projection, islands, output
+        self.projection, self._path = projection, output
         self._given: dict[str, Any] = {}
+        self._islands = tuple(islands)
+        if coast is not None:
+            found = read_content(coast)
+            curves = [found.points, *found.islands]
+            if projection is not None:
+                curves = [projection.to_plane(curve) for curve in curves]
+            self._given["coast"], self._islands = curves[0], (*self._islands, *curves[1:])
         if depth is not None:
             self._given["depth"] = depth_of(depth, outside, projection)
         if min_depth is not None:
@@ -69,7 +83,9 @@ class Ocean:
                 raise GridgenError(f"--land takes a file with samples, such as mask.nc:land; came {land!r}")
         self._model = output is not None and Path(output).suffix.lower() == ".nc"
         if self._given and not self._model:
-            raise GridgenError("--depth, --min-depth and --land belong to the file of an ocean model: -o FILE.nc")
+            raise GridgenError(
+                "--depth, --min-depth, --coast and --land belong to the file of an ocean model: -o FILE.nc"
+            )
 
     def write(self, grid: Grid | MultiBlock) -> None:
         """Write a result, in longitude and latitude where it has a projection."""

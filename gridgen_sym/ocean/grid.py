@@ -94,6 +94,7 @@ def ocean_grid(
     projection: Projection | None = None,
     geographic: bool = False,
     islands: Sequence[ArrayLike] = (),
+    coast: ArrayLike | None = None,
     land: Source | None = None,
     depth: Source | None = None,
     min_depth: float = 1.0,
@@ -105,7 +106,8 @@ def ocean_grid(
         projection: of longitude and latitude onto the plane, as `Outline.read(path, crs="auto").projection`.
         geographic: whether the grid is in longitude and latitude, in degrees.
         islands: closed curves (n, 2) where the grid is: cells whose centers lie within are land.
-        land: where there is land, besides islands: a function of x and y, or values at the rho points (ni+1, nj+1), not
+        coast: coast around the water, outside of which is land: a closed curve (n, 2), likewise.
+        land: where there is land, too: a function of x and y, or values at the rho points (ni+1, nj+1), not
             0 on land.
         depth: depth in meters, positive downwards: a function, or values, likewise. Where it is not positive, or not a
             number, is land; so is where the nearest sample of a raster is missing.
@@ -124,6 +126,8 @@ def ocean_grid(
     curves = [real_array(island, "an island") for island in islands]
     on_land = land_at(curves, points.rho)
     _report_small(curves, points.rho[1:-1, 1:-1])
+    if coast is not None:
+        on_land |= ~land_at([real_array(coast, "the coast")], points.rho)
     if land is not None:
         on_land |= _values(land, x, y, "land") != 0
     deep = None

@@ -32,6 +32,10 @@ BLOCK = re.compile(
     r"^```(?P<kind>\{code-block\} \w+\n:caption: (?P<file>\S+)|\w+)\n(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
+#: A file of the repository that a page offers for download.
+DOWNLOAD = re.compile(r"\{download\}`[^`<]*<(?P<path>[^>]+)>`")
+#: Pages that need more packages than those of the tests.
+EXTRAS = {"ocean"}
 #: Runs Python blocks one after the other with the same names.
 SESSION = "import sys\nnames = {{}}\nfor block in {blocks!r}:\n    exec(compile(block, 'tutorial', 'exec'), names)\n"
 
@@ -92,14 +96,21 @@ def test_there_are_tutorials():
     assert len(TUTORIALS) >= 6
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("tutorial", TUTORIALS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "tutorial",
+    [
+        pytest.param(path, id=path.stem, marks=pytest.mark.extras if path.stem in EXTRAS else pytest.mark.slow)
+        for path in TUTORIALS
+    ],
+)
 def test_a_tutorial_can_be_followed(tutorial, tmp_path):
     pytest.importorskip("matplotlib")
     if shutil.which("cc") is None and "cc -std" in tutorial.read_text(encoding="utf-8"):
         pytest.skip("needs a C compiler")
     work = tmp_path / "work"
     work.mkdir()
+    for offered in DOWNLOAD.finditer(tutorial.read_text(encoding="utf-8")):
+        shutil.copy(tutorial.parent / offered["path"], work)
     variables, session, printed, repository = environment(tmp_path), [], "", None
     found = blocks(tutorial)
     for block, following in zip(found, [*(one.kind for one in found[1:]), ""], strict=True):

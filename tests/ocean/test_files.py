@@ -174,6 +174,11 @@ def test_the_command_line_from_a_coast_to_a_file_of_roms(sea, missing):
         assert mask[lon > 5].all()
         np.testing.assert_allclose(h[lon > 5], 100)
         assert h.min() == 1.0
+    run("grid", "roms.nc", "-f", "winslow", "--crs", "auto", "-o", "again.nc", "--coast", sea)
+    with netCDF4.Dataset("again.nc") as data:  # Without the raster; the coast is the boundary of the grid.
+        lon, lat, mask = (data[name][1:-1, 1:-1] for name in ("lon_rho", "lat_rho", "mask_rho"))
+        island = (lon > 3) & (lon < 4.5) & (lat > 42) & (lat < 43)
+        np.testing.assert_array_equal(mask == 0, island)
     run("grid", "roms.nc", "-f", "winslow", "--crs", "auto", "-o", "again.vts")
     before, after = gg.read("roms.nc"), gg.read("again.vts")
     np.testing.assert_allclose(after.xy[0], before.xy[0], atol=1e-8)  # The boundary, in longitude and latitude again.

@@ -67,6 +67,15 @@ def test_land_is_where_islands_a_function_or_missing_depth_say(capsys):
     np.testing.assert_array_equal(mask[0], mask[1])  # The ring outside is as its neighbors.
 
 
+def test_what_lies_outside_of_the_coast_is_land():
+    grid = gg.domain("square", 11, 11)
+    pond = [[0.2, 0.2], [0.8, 0.2], [0.8, 0.8], [0.2, 0.8]]
+    mask = gg.ocean_grid(grid, coast=pond, islands=[[[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]]])["mask_rho"]
+    assert mask.sum() == 36 - 4
+    assert mask[4, 4] == 1
+    assert mask[5, 5] == 0
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
