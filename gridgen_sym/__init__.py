@@ -82,6 +82,7 @@ if TYPE_CHECKING:
     from .grids import corner_jacobians as corner_jacobians
     from .grids import transfinite as transfinite
     from .layouts import read_layout as read_layout
+    from .layouts import read_walls as read_walls
     from .ocean import OceanGrid as OceanGrid
     from .ocean import ocean_grid as ocean_grid
     from .plotting import plot_certificates as plot_certificates
@@ -122,7 +123,7 @@ _PACKAGES = {
     "functionals": "Functional define functional functionals",
     "geography": "Projection project",
     "grids": "Change Deviation Grid Measures Quality SideQuality corner_jacobians transfinite",
-    "layouts": "read_layout",
+    "layouts": "read_layout read_walls",
     "ocean": "OceanGrid ocean_grid",
     "plotting": "plot_certificates plot_grid plot_grids view_grid",
     "topology": "Connection LayoutQuality MultiBlock quality",

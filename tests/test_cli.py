@@ -713,6 +713,19 @@ def test_walls_of_layouts_are_on_boundaries_or_sides():
         assert gg.read("w.vtm").y[2:-2, 1] == pytest.approx(0.01, rel=0.05)
 
 
+def test_walls_may_stand_in_the_description():
+    """An option replaces the wall of the file, and so does a target all of them."""
+    Path("walled.toml").write_text(TOML + "[walls]\nwall = { first = 0.01, growth = 1.3 }\n")
+    command = "grid", "walled.toml", "-f", "winslow", "--refine", 3, "-o", "w.vtm"
+    heights = []
+    for more in ((), ("--wall", "wall:first=0.02"), ("--target", "1, 1")):
+        run(*command, *more)
+        heights.append(gg.read("w.vtm").y[2:-2, 1])
+    assert heights[0] == pytest.approx(0.01, rel=0.05)
+    assert heights[1] == pytest.approx(0.02, rel=0.05)
+    assert heights[2] == pytest.approx(1 / 9, rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

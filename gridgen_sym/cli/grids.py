@@ -13,7 +13,7 @@ from ..errors import GridgenError
 from ..options import SOLVERS, WEIGHT
 from .base import functionals_option
 from .field import control_of, field_of, fields_of, outside_option, target_of
-from .layouts import LAYOUT_HELP, REFINE_HELP, sliding, walls_on
+from .layouts import LAYOUT_HELP, REFINE_HELP, file_walls, sliding, walls_on
 from .ocean import Ocean, ocean_options
 from .options import option
 from .output import Announcement, certify_and_draw, check_outputs, report, under_of, under_option
@@ -22,6 +22,7 @@ from .types import SizedCommand, integer
 from .walls import WALLS, walls_of
 
 if TYPE_CHECKING:
+    from ..boundary.wall import Wall
     from ..fields import Weight
     from ..fields.outside import Outside
     from ..geography import Projection
@@ -138,7 +139,7 @@ def grid(
     begun = start_grid(input, **boundary)
     field = under_of(under, plot, begun.projection)
     start = begun.grid
-    solve = _solver(name, quiet, begun.projection, **options)
+    solve = _solver(name, quiet, begun.projection, file_walls(input), **options)
     ocean = Ocean(output, begun.projection, begun.islands, options["outside"], **deep)
     if output and isinstance(start, MultiBlock):
         check_written(output, len(start))
@@ -160,12 +161,17 @@ def _solver(
     name: str,
     quiet: bool,
     projection: Projection | None,
+    described: dict[str, Wall],
     *,
     solver: str,
     interior_only: bool,
     **options: Any,  # noqa: ANN401
 ) -> Any:  # noqa: ANN401
-    """Return the solver as a function of the start; what was not given is left to its own defaults."""
+    """Return the solver as a function of the start; what was not given is left to its own defaults.
+
+    The walls that the start's file describes are those of boundaries that `--wall` does not name; a target replaces
+    them.
+    """
     from ..solvers import continuation, optimize, solve_euler_lagrange
 
     passed = "tolerance", "max_iterations", "time_limit", "keep_valid", "spacing", "backend"
@@ -175,7 +181,7 @@ def _solver(
     given["weight"] = _weight(*weight, options["outside"], projection)
     given["fields"] = fields_of(options["fields"], options["outside"], projection)
     given["target"] = target_of(options["target"], projection)
-    given["walls"] = walls_on(walls_of(options["walls"])) or None
+    given["walls"] = {**(described if given["target"] is None else {}), **walls_on(walls_of(options["walls"]))} or None
     if quiet:
         given["progress"] = False
     if options["slide"]:

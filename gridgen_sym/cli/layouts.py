@@ -64,6 +64,13 @@ def _value(text: str) -> int | float | str:
     return text
 
 
+def file_walls(source: str) -> dict[str, Wall]:
+    """Return the walls that the description of a layout asks for; none of another kind of start."""
+    from ..layouts import read_walls
+
+    return read_walls(source) if Path(source).suffix.lower() == ".toml" else {}
+
+
 def walls_on(walls: dict[str, Wall]) -> dict[str, Any]:
     """Return the walls of `--wall` as solvers take them: those on `BLOCK/SIDE` by block, others as they are."""
     found: dict[str, Any] = {}

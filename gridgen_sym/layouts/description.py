@@ -1,4 +1,4 @@
-"""The tables of a layout's description in TOML, checked: points, curves, blocks, cells, boundaries, periodic."""
+"""The tables of a layout's description in TOML, checked: points, curves, blocks, cells, boundaries, periodic, walls."""
 
 from __future__ import annotations
 
@@ -7,16 +7,18 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..boundary.wall import Wall
 from ..errors import GridgenError, quoted
 from ..topology.wireframe import Periodic, Wireframe
 from .drawing import drawn
 from .values import check_keys, pair, real, table
+from .walls import described_walls
 
-_TABLES = ("points", "curves", "blocks", "cells", "boundaries", "periodic")
+_TABLES = ("points", "curves", "blocks", "cells", "boundaries", "periodic", "walls")
 
 
-def decode(data: bytes, folder: Path) -> Wireframe:
-    """Return the description of a layout.
+def decode(data: bytes, folder: Path) -> tuple[Wireframe, dict[str, Wall]]:
+    """Return the description of a layout, and its walls by the names of boundaries.
 
     Args:
         data: the text of the file.
@@ -39,15 +41,10 @@ def decode(data: bytes, folder: Path) -> Wireframe:
         curves[name], places = drawn(name, one, points, folder)
         for end, (x, y) in zip(curves[name].ends, places.tolist(), strict=True):
             points.setdefault(end, (x, y))
-    blocks = table(given, "blocks")
-    return Wireframe(
-        points,
-        curves,
-        blocks,
-        table(given, "cells"),
-        {name: _names(name, curves) for name, curves in table(given, "boundaries").items()},
-        [_periodic(one) for one in _array(given)],
-    )
+    blocks, cells = table(given, "blocks"), table(given, "cells")
+    boundaries = {name: _names(name, curves) for name, curves in table(given, "boundaries").items()}
+    wireframe = Wireframe(points, curves, blocks, cells, boundaries, [_periodic(one) for one in _array(given)])
+    return wireframe, described_walls(table(given, "walls"), boundaries)
 
 
 def _names(boundary: str, given: object) -> list[str]:

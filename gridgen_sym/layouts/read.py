@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..atomic import file_name, read_bytes, shown
+from ..boundary.wall import Wall
 from ..errors import GridgenError, quoted
 from ..topology import MultiBlock
 from . import description, gmsh, mfem
@@ -23,7 +24,8 @@ def read_layout(path: str | os.PathLike[str], *, refine: int | None = None) -> M
     """Return the start of the layout that a file describes; for files that have the nodes of blocks see `read`.
 
     Args:
-        path: of a description in TOML (`.toml`): points, curves, blocks, cells, boundaries; or of a mesh of
+        path: of a description in TOML (`.toml`): points, curves, blocks, cells, boundaries, walls (which `read_walls`
+            returns); or of a mesh of
             quadrilaterals (`.mesh`, MFEM; `.msh`, Gmsh), each of which becomes a block.
         refine: a factor for all numbers of cells of a description, 1 without it; of a mesh the cells along each side of
             a quadrilateral, 4 without it.
@@ -46,7 +48,27 @@ def read_layout(path: str | os.PathLike[str], *, refine: int | None = None) -> M
     data = read_bytes(path)
     try:
         if suffix == ".toml":
-            return description.decode(data, Path(path).parent).layout(int(refine or 1))
+            return description.decode(data, Path(path).parent)[0].layout(int(refine or 1))
         return layout_of_mesh(_MESHES[suffix](data), int(refine or _CELLS))
+    except GridgenError as error:
+        raise GridgenError(f"cannot read the layout {shown(path)}: {error}") from error
+
+
+def read_walls(path: str | os.PathLike[str]) -> dict[str, Wall]:
+    """Return the walls of a layout's description in TOML by the names of boundaries, as `optimize` takes them.
+
+    Args:
+        path: of the description (`.toml`).
+
+    Returns:
+        What its table `walls` says; nothing where there is none.
+
+    Raises:
+        GridgenError: as `read_layout`.
+    """
+    if Path(file_name(path)).suffix.lower() != ".toml":
+        raise GridgenError(f"cannot read walls from {shown(path)}: expected a layout's description (.toml)")
+    try:
+        return description.decode(read_bytes(path), Path(path).parent)[1]
     except GridgenError as error:
         raise GridgenError(f"cannot read the layout {shown(path)}: {error}") from error

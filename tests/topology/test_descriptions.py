@@ -165,3 +165,33 @@ def test_other_files_are_told(tmp_path):
         gg.read(EXAMPLES[0])
     with pytest.raises(gg.GridgenError, match=r"refine must be a whole number, at least 1 for .toml; came 0"):
         read(tmp_path, SQUARE, refine=0)
+
+
+WALLED = SQUARE + '[boundaries]\nfloor = ["A-B"]\n[walls]\nfloor = {}\n'
+
+
+def test_walls_are_those_of_boundaries(tmp_path):
+    path = tmp_path / "layout.toml"
+    path.write_text(WALLED.format("{ first = 0.01, growth = 1.2, layers = 2, orthogonal = false }"), encoding="utf-8")
+    (name,), (wall,) = zip(*gg.read_walls(path).items(), strict=True)
+    assert (name, wall.first, wall.growth, wall.layers, wall.orthogonal) == ("floor", 0.01, 1.2, 2, False)
+    assert gg.read_layout(path).boundaries.keys() == {"floor"}
+    assert set(gg.read_walls(EXAMPLES[2])) == {"wall"}
+    assert gg.read_walls(EXAMPLES[0]) == {}
+    with pytest.raises(gg.GridgenError, match=r"cannot read walls from .*x.mesh: expected a layout's description"):
+        gg.read_walls("x.mesh")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (WALLED.format("{ first = -1 }"), "the wall floor: first of the wall must be a positive height"),
+        (WALLED.format("{ growth = 1.2 }"), "the wall floor has no first"),
+        (WALLED.format("{ first = 1, hight = 2 }"), "unknown key 'hight' in the wall floor"),
+        (WALLED.format("0.01"), "the wall floor must be a table with first"),
+        (WALLED.format("{ first = 1 }").replace("[walls]\nfloor", "[walls]\nroof"), "unknown boundary 'roof' in walls"),
+    ],
+)
+def test_what_is_no_wall_is_told(tmp_path, text, told):
+    with pytest.raises(gg.GridgenError, match=told):
+        read(tmp_path, text)
