@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 from ..arrays import Array
 from ..atomic import write_bytes
 from ..errors import GridgenError
-from ..grids.grid import Grid, check_grid
+from ..grids.grid import Grid
 from ..resources import resource_folder
 from ..topology.multiblock import MultiBlock
 from ..topology.quality import LayoutQuality, quality
 from ..version import __version__
+from .grids import check_drawable
 from .under import field_label
 from .view_data import view_data
 
@@ -52,8 +53,7 @@ def view_grid(
     Raises:
         GridgenError: if it is no grid, the suffix is another one, or the page cannot be written.
     """
-    if not isinstance(grid, MultiBlock):
-        check_grid(grid)
+    check_drawable(grid)
     if path is not None and not os.fspath(path).lower().endswith((".html", ".htm")):
         raise GridgenError(f"cannot write the page {path}: its suffix must be .html")
     text = page(grid, title or repr(grid), quality(grid), under=under)

@@ -19,13 +19,13 @@ class View {
     this.y = (box.low + box.high) / 2;
     const wide = box.right - box.left, high = box.high - box.low;
     const scale = fraction * Math.min(this.width / (wide || high || 1), this.height / (high || wide || 1));
-    this.scale = Math.min(Math.max(scale, 1e-290), 1e290);
+    this.scale = Math.min(Math.max(scale, 1e-304), 1e304);
   }
   /** Zoom about a pixel, which stays at its point. */
   zoom(factor, px = this.width / 2, py = this.height / 2) {
     const [x, y] = this.at(px, py), scale = this.scale * factor;
     const finest = Math.max(Math.abs(x), Math.abs(y)) * 1e-14;  // Beyond, doubles cannot tell pixels apart.
-    if (!(scale > 1e-290 && scale < 1e290) || (factor > 1 && scale * finest > 1)) return;
+    if (!(scale > 1e-304 && scale < 1e304) || (factor > 1 && scale * finest > 1)) return;
     this.scale = scale;
     this.x = x - (px - this.width / 2) / scale;
     this.y = y + (py - this.height / 2) / scale;

@@ -8,10 +8,10 @@ const options = { measure: null, range: [0, 1], colors: null, lines: true, names
 let chosen = null, kept = false, extent = null, due = 0, refine = 0;
 
 /** Return a number as text: as many digits as are known to be right. */
-function shown(value, unit = "") {
+function shown(value, unit = "", digits = unit ? 5 : 6) {
   if (Number.isNaN(value)) return "none";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
-  return `${Number(value.toPrecision(unit ? 5 : 6))}${unit}`.replace("-", "−").replace("e-", "e−");
+  return `${Number(value.toPrecision(digits))}${unit}`.replace("-", "−").replace("e-", "e−");
 }
 
 /** Return the indices of a cell, or of the cells that one of a thinned grid stands for. */
@@ -23,13 +23,20 @@ function indices({ block, i, j }) {
   return `(${range(i, 0)}, ${range(j, 1)})`;
 }
 
+/** Return coordinates as text, with so many digits that neighboring cells have other ones. */
+function place(point, size) {
+  const most = Math.max(...point.map(Math.abs)), digits = Math.ceil(Math.log10(most / size)) + 4;
+  return point.map((one) => shown(one, "", Math.min(Math.max(6, digits || 6), 16))).join(", ");
+}
+
 /** Return the rows that describe a cell: words, value, whether it is an alarm. */
 function describe(cell) {
   const { block, i, j } = cell, number = i * (block.nj - 1) + j, found = measured(block, i, j);
   const k = i * block.nj + j, nodes = [k, k + 1, k + block.nj, k + block.nj + 1];
   const mean = (plane) => nodes.reduce((sum, node) => sum + plane[node] / 4, 0);
+  const size = Math.hypot(block.x[nodes[3]] - block.x[k], block.y[nodes[3]] - block.y[k]);
   const rows = [
-    ["center", `${shown(mean(block.x))}, ${shown(mean(block.y))}`],
+    ["center", place([mean(block.x), mean(block.y)], size)],
     ["J, smallest", shown(found.jacobian), !(found.jacobian > 0)],
     ["scaled Jacobian", shown(found.scaled), !(found.scaled > 0)],
     ["angles", `${shown(found.smallest, "°")} to ${shown(found.largest, "°")}`],

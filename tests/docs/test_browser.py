@@ -30,6 +30,7 @@ PAGES = (
     "gallery/index.html",
     "gallery/plot_8_every_solver.html",
     "tutorials/first_grid.html",
+    "tutorials/look.html",
     "explanations/two_sides.html",
     "pipeline.html",
     "reference/api.html",

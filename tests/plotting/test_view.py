@@ -139,6 +139,7 @@ def test_what_is_no_grid_or_no_page_is_refused(tmp_path):
         (square.xy, None, "expected a Grid"),
         (square, "page.png", "must be .html"),
         (square, "none/page.html", "does not exist"),
+        (gg.Grid((square.xy - 0.5) * 1e301), None, "too large to draw"),
     ):
         with pytest.raises(gg.GridgenError, match=match):
             gg.view_grid(grid, None if name is None else tmp_path / name)

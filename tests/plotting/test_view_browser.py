@@ -302,6 +302,26 @@ def test_text_has_contrast_in_both_modes(browser, show, mode):
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
+@pytest.mark.parametrize(
+    ("xy", "center"),
+    [
+        (np.ones((3, 3, 2)), "1, 1"),
+        (gg.domain("square", 5, 5).xy * (1, 0), "0.125, 0"),
+        (gg.domain("square", 5, 5).xy * 1e-300, "1.25e−301, 1.25e−301"),
+        (gg.domain("square", 5, 5).xy * 1e-3 + 1e6, "1000000.000125, 1000000.000125"),
+    ],
+    ids=["point", "line", "tiny", "far from the origin"],
+)
+def test_odd_grids_are_shown_without_an_error(browser, show, xy, center):
+    show(gg.Grid(xy))
+    for measure in ("jacobian", "growth", "none", "scaled"):
+        color(browser, measure)
+    browser.find_element("id", "worst").click()
+    browser.find_element("id", "in").click()
+    browser.execute_async_script(STILL)
+    assert browser.execute_script(CELL)["center"] == center
+
+
 def test_a_field_is_one_more_color(browser, show):
     grid = gg.domain("square", 9, 9)
     show(grid, under="x + 10*y")
