@@ -45,19 +45,24 @@ class Numbers:
         repeated: whether some stand for several.
     """
 
-    def __init__(self, stream: BinaryIO) -> None:
+    def __init__(self, stream: BinaryIO, expected: str = EXPECTED, line: int = 0) -> None:
         """Read all numbers of a stream.
+
+        Args:
+            stream: the text.
+            expected: what it should be, for messages.
+            line: how many lines stand before it in its file.
 
         Raises:
             GridgenError: for bytes that are no text, words that are no numbers, and no numbers at all.
         """
         self._pieces: list[tuple[Array, NDArray[np.int64] | None]] = []
         self.head_text = ""
-        offset = lines = 0
-        for piece in _pieces(stream):
+        offset, lines = 0, line
+        for piece in _pieces(stream, expected):
             if self.head_text.count("\n") < _HEAD_LINES and len(self.head_text) < _LONGEST_HEAD:
                 self.head_text += piece.decode("ascii", errors="replace").replace(",", " ")
-            self._pieces.append(_parsed(piece, offset, lines))
+            self._pieces.append(_parsed(piece, offset, lines, expected))
             offset, lines = offset + len(piece), lines + piece.count(b"\n")
         self.repeated = any(repeats is not None for _, repeats in self._pieces)
         words = sum(len(values) for values, _ in self._pieces)
@@ -65,7 +70,7 @@ class Numbers:
         self.count = sum(len(values) if repeats is None else sum(repeats.tolist()) for values, repeats in self._pieces)
         self._packed = 8 * words
         if not words:
-            raise GridgenError(f"it holds no numbers; {EXPECTED}")
+            raise GridgenError(f"it holds no numbers; {expected}")
 
     def head(self, count: int) -> list[int]:
         """Return the first numbers as whole ones, 0 for any other, and for those that are not there."""
@@ -105,7 +110,7 @@ class Numbers:
         return taken
 
 
-def _pieces(stream: BinaryIO) -> Iterator[bytes]:
+def _pieces(stream: BinaryIO, expected: str) -> Iterator[bytes]:
     """Yield the text in pieces that end between two words."""
     rest = b""
     while data := stream.read(_PIECE):
@@ -114,20 +119,21 @@ def _pieces(stream: BinaryIO) -> Iterator[bytes]:
         rest = data[cut:]
         if len(rest) > _LONGEST_WORD:
             word = shortened(rest.decode("ascii", errors="replace"))
-            raise GridgenError(f"could not convert to a number: {word}; {EXPECTED}")
+            raise GridgenError(f"could not convert to a number: {word}; {expected}")
         if cut:
             yield data[:cut]
     if rest:
         yield rest
 
 
-def _parsed(piece: bytes, offset: int, lines: int) -> tuple[Array, NDArray[np.int64] | None]:
+def _parsed(piece: bytes, offset: int, lines: int, expected: str) -> tuple[Array, NDArray[np.int64] | None]:
     """Return the numbers of a piece of the text, and how often each stands there; None for once each.
 
     Args:
         piece: the text.
         offset: how many bytes come before it.
         lines: how many lines.
+        expected: what the text should be, for messages.
     """
     plain = piece.translate(_COMMAS)
     if not plain.translate(None, _PLAIN):
@@ -140,11 +146,11 @@ def _parsed(piece: bytes, offset: int, lines: int) -> tuple[Array, NDArray[np.in
         return _parsed_word_by_word(plain.decode("ascii"))
     except UnicodeDecodeError as error:
         where = offset + error.start
-        raise GridgenError(f"byte {where} is not ASCII text, so the file may be binary; {EXPECTED}") from error
+        raise GridgenError(f"byte {where} is not ASCII text, so the file may be binary; {expected}") from error
     except ValueError as error:
         if isinstance(error, GridgenError):
             raise
-        raise GridgenError(f"{_line_of_fault(plain.decode('ascii'), lines)}{shortened(error)}; {EXPECTED}") from error
+        raise GridgenError(f"{_line_of_fault(plain.decode('ascii'), lines)}{shortened(error)}; {expected}") from error
 
 
 def _read_at_once(text: bytes) -> Array:
@@ -188,6 +194,6 @@ def _repeated(word: str) -> tuple[int, str]:
         return 1, word
     if not count.isdigit() or len(count) > _MOST_DIGITS:
         raise GridgenError(
-            f"the repeat count in {quoted(word)} is not a number of at most {_MOST_DIGITS} digits; {EXPECTED}"
+            f"the repeat count in {quoted(word)} is not a number of at most {_MOST_DIGITS} digits, as in 3*0.5"
         )
     return int(count), value
