@@ -32,6 +32,7 @@ from .grids.grid import show_grids_with
 from .io import read as read
 from .io import read_masks as read_masks
 from .io import write as write
+from .later import provide
 from .version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -89,6 +90,9 @@ if TYPE_CHECKING:
     from .plotting import plot_grid as plot_grid
     from .plotting import plot_grids as plot_grids
     from .plotting import view_grid as view_grid
+    from .sensitivities import CurveGradient as CurveGradient
+    from .sensitivities import Gradients as Gradients
+    from .sensitivities import WallGradient as WallGradient
     from .solvers import ContinuationResult as ContinuationResult
     from .solvers import LayoutResult as LayoutResult
     from .solvers import Result as Result
@@ -126,6 +130,7 @@ _PACKAGES = {
     "layouts": "read_layout read_walls",
     "ocean": "OceanGrid ocean_grid",
     "plotting": "plot_certificates plot_grid plot_grids view_grid",
+    "sensitivities": "CurveGradient Gradients WallGradient",
     "topology": "Connection LayoutQuality MultiBlock quality",
     "topology.shapes": "layout layout_names",
     "solvers": (
@@ -146,6 +151,16 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401
     from importlib import import_module
 
     return getattr(import_module(f".{_HOMES[name]}", __name__), name)
+
+
+def _sensitivities() -> ModuleType:
+    """Return the package that differentiates results, which call it."""
+    from . import sensitivities
+
+    return sensitivities
+
+
+provide("sensitivities", _sensitivities)
 
 
 def __dir__() -> list[str]:

@@ -20,7 +20,7 @@ ORDER = (
     *("functionals", "symbolic", "codegen", "runtime", "backends"),
     *("grids", "geography", "ocean", "outlines", "boundary", "topology", "certificates", "io"),
     *("fields", "layouts", "plotting"),
-    *("solvers", "adaptation", "selfcheck", "paper_examples", "documentation", "cli"),
+    *("solvers", "sensitivities", "adaptation", "selfcheck", "paper_examples", "documentation", "cli"),
 )
 #: They know nothing of functionals and kernels.
 GROUND = {"grids", "geography", "ocean", "outlines", "boundary", "topology", "certificates", "io"}
@@ -37,6 +37,7 @@ SHARED = {
     "cache",
     "deprecation",
     "errors",
+    "later",
     "messages",
     "options",
     "parsing",

@@ -29,6 +29,7 @@
 #define PART_PRODUCTS 8
 #define PART_SWEEP 16
 #define PART_EQUATIONS 32
+#define PART_MIXED 64
 #ifndef PARTS
 #define PARTS 63
 #endif

@@ -821,6 +821,39 @@ EXPORT void KERNEL(semidefinite_hessian_vector)(const Block *block, ARRAYS, cons
 }
 #endif
 
+/* ---- mixed derivatives: at every corner, of the gradient times (vx, vy) in each value and each parameter ---- */
+
+#if PARTS & PART_MIXED
+#define TAKE(part, name, m) out[(4 * (part) + (m)) * plane] = counted & (1u << (m)) ? scale.energy * c##m.name : 0.0;
+static void mixed_rows(const Block *block, int64_t first, int64_t last, GRID, const double *restrict vector,
+                       double *restrict mixed) {
+  const int64_t cells = block->nj - 1, stride = block->stride, plane = (block->ni - 1) * cells;
+  const double *restrict vx = vector, *restrict vy = vector + block->plane;
+  const Scales scale = scales_of(block);
+  (void)w;
+  for (int64_t i = first; i < smaller(last, block->ni - 1); ++i)
+    for (int64_t j = 0; j < cells; ++j) {
+      const int64_t n = i * stride + j;
+      const unsigned counted = corners_of_cell(block, i, j);
+      double *out = mixed + i * cells + j;
+      const Vector a0 = edge(x, y, n, n + stride), a1 = edge(x, y, n + 1, n + stride + 1), b0 = edge(x, y, n, n + 1), b1 = edge(x, y, n + stride, n + stride + 1);
+      const Vector va0 = edge(vx, vy, n, n + stride), va1 = edge(vx, vy, n + 1, n + stride + 1), vb0 = edge(vx, vy, n, n + 1), vb1 = edge(vx, vy, n + stride, n + stride + 1);
+      const corner_mixed_values c0 = corner_mixed(scale, a0.x, a0.y, b0.x, b0.y, va0.x, va0.y, vb0.x, vb0.y, IF_MOVING(vx[n], vy[n],) VALUES(AT_CORNER, 0) parameters);
+      MIXED(TAKE, 0)
+      const corner_mixed_values c1 = corner_mixed(scale, a0.x, a0.y, b1.x, b1.y, va0.x, va0.y, vb1.x, vb1.y, IF_MOVING(vx[n + stride], vy[n + stride],) VALUES(AT_CORNER, 1) parameters);
+      MIXED(TAKE, 1)
+      const corner_mixed_values c2 = corner_mixed(scale, a1.x, a1.y, b0.x, b0.y, va1.x, va1.y, vb0.x, vb0.y, IF_MOVING(vx[n + 1], vy[n + 1],) VALUES(AT_CORNER, 2) parameters);
+      MIXED(TAKE, 2)
+      const corner_mixed_values c3 = corner_mixed(scale, a1.x, a1.y, b1.x, b1.y, va1.x, va1.y, vb1.x, vb1.y, IF_MOVING(vx[n + stride + 1], vy[n + stride + 1],) VALUES(AT_CORNER, 3) parameters);
+      MIXED(TAKE, 3)
+    }
+}
+
+EXPORT void KERNEL(mixed)(const Block *block, ARRAYS, const double *vector, double *mixed) {
+  FOR_ROWS(mixed_rows(block, first, last, OF_ARRAYS, vector, mixed))
+}
+#endif
+
 /* ---- node sweep: one damped Newton step on the local energy of every free node of one color ----
  *
  * The local energy of a node is the sum over the 12 corners that contain it: for each of its four cells its own

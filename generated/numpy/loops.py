@@ -490,6 +490,31 @@ def semidefinite_hessian_vector(f, block, coordinates, values, parameters, vecto
     product[:, block.row_begin : block.row_end] = scale.derivatives * total[:, block.row_begin : block.row_end]
 
 
+# ---- mixed derivatives: at every corner, of the gradient times a direction in each value and each parameter ----
+
+
+def mixed(f, block, coordinates, values, parameters, vector, mixed):
+    rows = block.row_begin, min(block.row_end, block.ni - 1)
+    with np.errstate(all="ignore"):
+        scale = scales_of(f, block)
+        a0, a1, b0, b1 = edges_of_cells(coordinates, rows)
+        va0, va1, vb0, vb1 = edges_of_cells(vector, rows)
+        v = nodes_of_cells(vector, rows) if f.facts.moving else ((),) * 4
+        w, counted = values_of_cells(values, rows), corners_of_cells(block, rows)
+        corner = counted_values(counted[0], f.corner_mixed(scale, *a0, *b0, *va0, *vb0, *v[0], *w[0], parameters))
+        for part, entry in enumerate(corner):
+            mixed[part, 0, slice(*rows)] = scale.energy * entry
+        corner = counted_values(counted[1], f.corner_mixed(scale, *a0, *b1, *va0, *vb1, *v[1], *w[1], parameters))
+        for part, entry in enumerate(corner):
+            mixed[part, 1, slice(*rows)] = scale.energy * entry
+        corner = counted_values(counted[2], f.corner_mixed(scale, *a1, *b0, *va1, *vb0, *v[2], *w[2], parameters))
+        for part, entry in enumerate(corner):
+            mixed[part, 2, slice(*rows)] = scale.energy * entry
+        corner = counted_values(counted[3], f.corner_mixed(scale, *a1, *b1, *va1, *vb1, *v[3], *w[3], parameters))
+        for part, entry in enumerate(corner):
+            mixed[part, 3, slice(*rows)] = scale.energy * entry
+
+
 # ---- node sweep: one damped Newton step on the local energy of every free node of one color ----
 #
 # The local energy of a node is the sum over the 12 corners that contain it: for each of its four cells its own

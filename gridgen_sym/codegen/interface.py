@@ -42,6 +42,8 @@ FUNCTIONS: Mapping[str, Signature] = {
     # vector, product (2, ni, nj)
     "hessian_vector": Signature("corner_hessian_vector", "aaaaa"),
     "semidefinite_hessian_vector": Signature("corner_semidefinite_vector", "aaaaa"),
+    # vector (2, ni, nj), mixed (planes and parameters, 4, ni-1, nj-1)
+    "mixed": Signature("corner_mixed", "aaaaa"),
     # fixed, color, floor, reach, row_step
     "sweep": Signature("corner_hessian", "aaaaidda"),
     # residual (2, ni, nj); planes (36, ni, nj)

@@ -23,6 +23,7 @@ from ..symbolic.coordinates import (
 )
 from ..symbolic.derive.continuous import EulerLagrange, euler_lagrange
 from ..symbolic.derive.discrete import CornerModel, corner_model, has_barrier
+from ..symbolic.derive.mixed import MixedModel, mixed_model
 from ..symbolic.derive.solved_equations import solved_equations
 from .facts import KernelFacts, definition_digest, kernel_name
 from .interface import FUNCTIONS
@@ -32,6 +33,8 @@ from .lower import lower
 
 def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
     """Derive and lower every program of a functional in one variant."""
+    if Modes.read(variant).mixed:
+        return _mixed_kernel(functional, variant)
     model = corner_model(functional, variant)
     programs = _corner_programs(model)
     if not Modes.read(variant).regularized:
@@ -58,7 +61,35 @@ def kernel(functional: Functional, variant: Variant = "plain") -> Kernel:
     return Kernel(facts, named)
 
 
-def _degree(model: CornerModel) -> float | None:
+def _mixed_kernel(functional: Functional, variant: Variant) -> Kernel:
+    """Derive and lower the mixed derivatives; what solvers ask of a kernel is not decided."""
+    model = mixed_model(functional, variant)
+    moving, planes = model.values.moving, model.values.planes
+    inputs = (*FIRST_DERIVATIVES, *DIRECTION, *(POSITION_DIRECTION if moving else ()), *planes)
+    outputs = {f"m{k}": entry for k, entry in enumerate(model.along.values())}
+    program = lower("corner_mixed", inputs, model.parameters, outputs, fields=_of_user(planes))
+    facts = KernelFacts(
+        name=kernel_name(functional.name, variant),
+        functional=functional.name,
+        variant=variant,
+        density=str(functional.expression()),
+        digest=definition_digest(functional),
+        parameters=tuple(symbol.name for symbol in model.parameters),
+        planes=tuple(symbol.name for symbol in planes),
+        sloped=(),
+        moving=moving,
+        barrier=False,
+        equation_type="",
+        null_lagrangian=False,
+        polyconvex=False,
+        degree=_degree(model),
+        functions=("mixed",) if outputs else (),
+        operations={program.name: dict(program.operations)},
+    )
+    return Kernel(facts, {program.name: program})
+
+
+def _degree(model: CornerModel | MixedModel) -> float | None:
     """Return the degree of a corner's energy in its edge vectors; None where it is not known to be homogeneous."""
     known = {*FIRST_DERIVATIVES, *METRIC, *model.values.planes, *model.parameters}
     degree = scaling_degree(model.energy) if model.energy.free_symbols <= known else None

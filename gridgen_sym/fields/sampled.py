@@ -24,6 +24,7 @@ from ..runtime.process import interruptible
 from .function import difference
 from .gaps import filled, gap_at
 from .outside import ROUNDING, Outside, check_choice
+from .sample_weights import bilinear_weights, cell_weights, nodal_weights, spline_weights, triangle_weights
 from .structured import StructuredInterpolation
 
 #: Fewer samples span no plane, and less than a grid of cubics in either direction.
@@ -39,6 +40,8 @@ class SampledField:
         beyond: what counts outside the samples: `error` refuses grids with nodes there, `nearest` takes the nearest
             sample. A call takes the nearest one always.
         middle: of the samples along x: halfway between the least and the greatest.
+        shape: of the samples.
+        turned: the axes along which they were given in decreasing order; `weights` are of increasing ones.
     """
 
     kind: str
@@ -48,6 +51,31 @@ class SampledField:
     _covers: Callable[[Array, Array], npt.NDArray[np.bool_]]
     _missing: Callable[[Array, Array], npt.NDArray[np.bool_]] | None = None
     middle: float = 0.0
+    _weights: Callable[[Array, Array, str], Any] | None = None
+    shape: tuple[int, ...] = ()
+    turned: tuple[int, ...] = ()
+
+    def along(self, samples: Array, x: Array, y: Array, key: str = "") -> Array:
+        """Return how the values at points, or their derivatives along `x` or `y`, change with the samples."""
+        return np.asarray(self._operator(x, y, key) @ np.flip(samples, self.turned).ravel()).reshape(x.shape)
+
+    def transposed(self, values: Array, x: Array, y: Array, key: str = "") -> Array:
+        """Return the derivatives in the samples of the sum of numbers times values at points, or times derivatives."""
+        found = self._operator(x, y, key).T @ values.ravel()
+        return np.flip(np.asarray(found).reshape(self.shape), self.turned)
+
+    def _operator(self, x: Array, y: Array, along: str) -> Any:  # noqa: ANN401 - scipy.sparse has no types
+        """Return the matrix (points, samples) of the values at points, or of their derivatives along `x` or `y`.
+
+        Raises:
+            GridgenError: for cubics on triangles, whose slopes SciPy finds by iteration, and rasters with gaps.
+        """
+        if self._weights is None:
+            raise GridgenError(
+                f"a field sampled {self.kind}, smooth on triangles or with missing samples, has no derivatives in its "
+                "samples: give a raster without gaps, or drop mode='differentiated'"
+            )
+        return self._weights(x, y, along)
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Return the values at points; outside the samples, the nearest one."""
@@ -133,7 +161,8 @@ def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False, outsi
     check_grid(grid)
     check_choice(outside)
     value, (ni, nj) = real_array(values, "the values of samples"), grid.shape
-    if value.shape == (ni - 1, nj - 1):
+    given = value.shape
+    if given == (ni - 1, nj - 1):
         value = nodal(value)
     if value.shape != (ni, nj):
         raise GridgenError(
@@ -144,9 +173,15 @@ def grid_field(grid: Grid, values: npt.ArrayLike, *, smooth: bool = False, outsi
     kind = f"on a grid of {ni} x {nj} nodes"
     cells = StructuredInterpolation(grid) if quality(grid).valid else None
     if cells is not None and not smooth:
-        return SampledField(kind, outside, None, partial(cells.values, value), cells.covers)
-    made = _triangulated(grid.xy.reshape(-1, 2), value.ravel(), kind, outside, smooth=smooth)
-    return made if cells is None else replace(made, _covers=cells.covers)
+
+        def weights(x: Array, y: Array, along: str) -> Any:  # noqa: ANN401
+            return cell_weights(*cells.located(x, y), (ni, nj))
+
+        made = SampledField(kind, outside, None, partial(cells.values, value), cells.covers, _weights=weights)
+    else:
+        made = _triangulated(grid.xy.reshape(-1, 2), value.ravel(), kind, outside, smooth=smooth)
+        made = made if cells is None else replace(made, _covers=cells.covers)
+    return replace(made, shape=given, _weights=made._weights if given == (ni, nj) else _of_cells(made, (ni, nj)))
 
 
 def raster_field(
@@ -190,19 +225,20 @@ def raster_field(
         )
     value, gaps = filled(value)
     _check_finite(value[..., np.newaxis], "sample")
-    for k in range(2):
-        if axes[k][0] > axes[k][-1]:
-            axes[k], value = axes[k][::-1], np.flip(value, k)
-            gaps = None if gaps is None else np.flip(gaps, k)
-    made = (_spline if smooth else _bilinear)(axes, value, outside)
+    turned = tuple(k for k in range(2) if axes[k][0] > axes[k][-1])
+    for k in turned:
+        axes[k] = axes[k][::-1]
+    made = (_spline if smooth else _bilinear)(axes, np.flip(value, turned), outside)
     if gaps is None:
-        return replace(made, middle=_middle(axes[0]))
+        return replace(made, middle=_middle(axes[0]), turned=turned)
+    gaps = np.flip(gaps, turned)
     gap, inside = gap_at(axes, gaps), _inside(axes)
     return replace(
         made,
         middle=_middle(axes[0]),
         _missing=lambda x, y: inside(x, y) & gap(x, y),
         _covers=lambda x, y: inside(x, y) & ~gap(x, y),
+        _weights=None,
     )
 
 
@@ -213,7 +249,11 @@ def negative(field: SampledField) -> SampledField:
         assert field._derivative
         return -field._derivative(x, y, dx, dy)
 
-    return replace(field, _value=lambda x, y: -field(x, y), _derivative=derivative if field._derivative else None)
+    def weights(x: Array, y: Array, along: str) -> Any:  # noqa: ANN401
+        return -1.0 * field._operator(x, y, along)
+
+    own = derivative if field._derivative else None
+    return replace(field, _value=lambda x, y: -field(x, y), _derivative=own, _weights=field._weights and weights)
 
 
 def nodal(cells: Array) -> Array:
@@ -232,6 +272,12 @@ def _check_finite(samples: Array, what: str) -> None:
             f"samples must be finite: {what} {where} is not, the first of {int(bad.sum())}: leave such samples out, "
             "or fill them"
         )
+
+
+def _of_cells(made: SampledField, shape: tuple[int, int]) -> Callable[[Array, Array, str], Any] | None:
+    """Return the weights of cells, given those of nodes (ni, nj)."""
+    weights = made._weights
+    return None if weights is None else lambda x, y, along: weights(x, y, along) @ nodal_weights(shape)
 
 
 def _triangulated(points: Array, values: Array, kind: str, outside: Outside, *, smooth: bool) -> SampledField:
@@ -266,7 +312,15 @@ def _triangulated(points: Array, values: Array, kind: str, outside: Outside, *, 
             within |= farthest <= ROUNDING * extent
         return within
 
-    return SampledField(kind, outside, None, value, covers, middle=_middle(points[:, 0]))
+    def weights(x: Array, y: Array, along: str) -> Any:  # noqa: ANN401
+        place = np.stack((x.ravel(), y.ravel()), axis=-1)
+        for to in (middle, points[tree.query(place)[1]]):  # As above, but the nearest sample is a corner of a triangle.
+            lost = triangles.find_simplex(place) < 0
+            place = np.where(lost[:, None], place + (ROUNDING if to is middle else 1.0) * (to - place), place)
+        return triangle_weights(triangles, triangles.find_simplex(place), place)
+
+    made = SampledField(kind, outside, None, value, covers, middle=_middle(points[:, 0]), shape=values.shape)
+    return made if smooth else replace(made, _weights=weights)
 
 
 def _clipped(axes: list[Array]) -> Callable[[Array, Array], tuple[Array, Array]]:
@@ -293,7 +347,13 @@ def _bilinear(axes: list[Array], values: Array, outside: Outside) -> SampledFiel
 
     interpolator, clip = RegularGridInterpolator(axes, values), _clipped(axes)
     return SampledField(
-        _raster_kind(axes), outside, None, lambda x, y: interpolator(np.stack(clip(x, y), axis=-1)), _inside(axes)
+        _raster_kind(axes),
+        outside,
+        None,
+        lambda x, y: interpolator(np.stack(clip(x, y), axis=-1)),
+        _inside(axes),
+        _weights=lambda x, y, along: bilinear_weights(axes, *clip(x, y)),
+        shape=values.shape,
     )
 
 
@@ -310,4 +370,12 @@ def _spline(axes: list[Array], values: Array, outside: Outside) -> SampledField:
                 slope = np.where((position < axes[k][0]) | (position > axes[k][-1]), 0.0, slope)
         return slope
 
-    return SampledField(_raster_kind(axes), outside, derivative, lambda x, y: spline.ev(*clip(x, y)), inside)
+    def weights(x: Array, y: Array, along: str) -> Any:  # noqa: ANN401
+        return spline_weights(axes, *clip(x, y), (along.count("x"), along.count("y")))
+
+    value = partial(_at_clipped, spline.ev, clip)
+    return SampledField(_raster_kind(axes), outside, derivative, value, inside, _weights=weights, shape=values.shape)
+
+
+def _at_clipped(function: Callable[..., Array], clip: Callable[..., tuple[Array, Array]], x: Array, y: Array) -> Array:
+    return function(*clip(x, y))

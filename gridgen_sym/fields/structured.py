@@ -49,6 +49,11 @@ class StructuredInterpolation:
         i, j, s, t, _ = self._located(np.stack((x.ravel(), y.ravel())))
         return _linear(nodal, i, j, s, t).reshape(x.shape)
 
+    def located(self, x: Array, y: Array) -> tuple[_Indices, _Indices, Array, Array]:
+        """Return the cells (i, j) of points, as rows, and the logical coordinates of the points in them."""
+        i, j, s, t, _ = self._located(np.stack((x.ravel(), y.ravel())))
+        return i, j, s, t
+
     def covers(self, x: Array, y: Array) -> npt.NDArray[np.bool_]:
         """Return which points lie in the grid, up to a tenth of the cell beside them.
 

@@ -22,6 +22,8 @@ from .wall_fractions import distances, fractions_between, side_fractions
 _LARGEST_CORRECTION = 1.5
 #: Where the nodes of the sides that meet a wall are spaced otherwise by more than this factor, that is said.
 _MISPLACED = 3.0
+#: Angles that are kept are no sharper than this, in radians.
+LEAST_ANGLE = 0.1
 #: The sides that a side meets at its first and at its last node.
 _MEETS = {"bottom": ("left", "right"), "right": ("bottom", "top"), "top": ("left", "right"), "left": ("bottom", "top")}
 
@@ -80,7 +82,7 @@ def wall_cells(walls: Sides[Wall | None], coordinates: Array, home: tuple[int, i
     angle = np.full_like(along_xi, np.pi / 2)
     if not all(wall.orthogonal for wall in walls if wall is not None):
         sides = coordinates[:, :, 0], coordinates[:, :, -1], coordinates[:, 0], coordinates[:, -1]
-        angle = np.clip(own_cells(transfinite(*(side.T for side in sides)).planes)[2], 0.1, np.pi - 0.1)
+        angle = np.clip(own_cells(transfinite(*(side.T for side in sides)).planes)[2], LEAST_ANGLE, np.pi - LEAST_ANGLE)
     return WallCells(along_xi, along_eta, angle, eta, xi)
 
 

@@ -6,6 +6,7 @@ A variant is written as text, whose parts are joined by `+`: `plain` where nothi
 - `M:differentiated`: the declared field M moves with the nodes (else its values are held);
 - `target`: the metric is taken relative to a target;
 - `control`: the Euler-Lagrange equations have control functions;
+- `mixed`: instead of what solvers need, the mixed derivatives, in the nodes and in values and parameters;
 - `regularized`: J, or det T relative to a target, is replaced by chi(J) = (J + sqrt(J² + epsilon²))/2; a weight and
   moving fields are not combined with it.
 """
@@ -34,6 +35,7 @@ class Modes:
         differentiated: names of the declared fields that move with the nodes, in alphabetical order.
         target: whether the metric is taken relative to a target.
         control: whether the equations have control functions.
+        mixed: whether it is of the mixed derivatives.
         regularized: whether the barrier is regularized.
     """
 
@@ -41,6 +43,7 @@ class Modes:
     differentiated: tuple[str, ...] = ()
     target: bool = False
     control: bool = False
+    mixed: bool = False
     regularized: bool = False
 
     @classmethod
@@ -51,11 +54,12 @@ class Modes:
             GridgenError: for what is no variant.
         """
         modes = cls._of([part for part in variant.split("+") if part != "plain"])
-        if modes.variant != variant or (modes.regularized and (modes.weight or modes.differentiated or modes.control)):
+        alone = modes.weight or modes.differentiated or modes.control or modes.mixed
+        if modes.variant != variant or (modes.regularized and alone) or (modes.mixed and modes.control):
             raise GridgenError(
                 f"unknown variant {quoted(variant)}: it is 'plain', 'regularized', 'target+regularized', or of "
-                "'frozen' or 'differentiated' (the weight), 'M:differentiated' (a field), 'target' and 'control', in "
-                "this order, joined by '+'"
+                "'frozen' or 'differentiated' (the weight), 'M:differentiated' (a field), 'target', and 'control' or "
+                "'mixed', in this order, joined by '+'"
             )
         return modes
 
@@ -74,7 +78,7 @@ class Modes:
     def _of(cls, parts: list[str]) -> Modes:
         weight: Literal["", "frozen", "differentiated"] = next((mode for mode in _WEIGHTED if mode in parts), "")
         moving = tuple(sorted(part.removesuffix(_MOVES) for part in parts if part.endswith(_MOVES)))
-        return cls(weight, moving, "target" in parts, "control" in parts, "regularized" in parts)
+        return cls(weight, moving, *(part in parts for part in ("target", "control", "mixed", "regularized")))
 
     @property
     def variant(self) -> Variant:
@@ -84,6 +88,7 @@ class Modes:
             *(f"{name}{_MOVES}" for name in self.differentiated),
             *(["target"] if self.target else []),
             *(["control"] if self.control else []),
+            *(["mixed"] if self.mixed else []),
             *(["regularized"] if self.regularized else []),
         ]
         return "+".join(parts) or "plain"

@@ -148,6 +148,26 @@ class KernelSet:
         self._call(name, coordinates, values, vector, product, interior_only=interior_only, spacing=spacing)
         return product
 
+    def mixed(
+        self,
+        coordinates: Array,
+        vector: Array,
+        values: Values | Array | None = None,
+        spacing: tuple[float, float] = INDEX_STEPS,
+        *,
+        interior_only: bool = False,
+    ) -> Array:
+        """Return mixed derivatives at every corner: of the gradient times a vector (2, ni, nj), in what is given.
+
+        Of a variant with `mixed`. An array (planes and then parameters, 4, ni-1, nj-1), corners as in `Values.corners`.
+        """
+        if vector.shape != coordinates.shape:
+            raise GridgenError(f"the vector must have the shape {coordinates.shape}; came {vector.shape}")
+        _, ni, nj = coordinates.shape
+        mixed = np.empty((len(self.planes) + len(self._parameters), 4, ni - 1, nj - 1))
+        self._call("mixed", coordinates, values, vector, mixed, interior_only=interior_only, spacing=spacing)
+        return mixed
+
     def sweep(
         self,
         coordinates: Array,

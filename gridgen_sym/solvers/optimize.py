@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
@@ -28,6 +29,7 @@ from .layout.untangling import untangle_layout
 from .local import sweep_until_converged, visit_nodes
 from .logical import LogicalRectangle, Spacing
 from .minimization import Run
+from .minimum import Minimum
 from .multilevel.wall_continuation import approach_walls
 from .newton.minimize import minimize
 from .norms import norm_of
@@ -189,7 +191,10 @@ def optimize(
                 run.remark = misplaced_sides(walls_by_side(walls), run.coordinates)
             return run.explained_by_derivatives(outcome)
 
-        return run_to_result(solve, run.result, report)
+        found = run_to_result(solve, run.result, report)
+        asked = None if walls is None or sides is None else {"": (walls_by_side(walls), sides)}
+        minimum = Minimum(lambda: run.problem, definition, parameters, tolerance, grid, target, slide, asked)
+        return replace(found, minimum=minimum)
 
 
 @on_several_blocks(untangle_layout, gets_own=True)

@@ -77,7 +77,9 @@ def test_parts_compile_without_a_warning_of_either_compiler(name, part, compiler
 
 @pytest.mark.slow
 @pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
-@pytest.mark.parametrize("case", DERIVED, ids=case_name)
+@pytest.mark.parametrize(
+    "case", [*DERIVED, ("winslow", "target+mixed"), ("area", "differentiated+mixed")], ids=case_name
+)
 def test_derived_c_compiles_without_a_warning(case, tmp_path):
     source = tmp_path / "kernel.c"
     source.write_text(rendered(*case, "c"))

@@ -23,6 +23,7 @@ from gridgen_sym.codegen.backend import find_backend
 from gridgen_sym.codegen.interface import FUNCTIONS
 from gridgen_sym.errors import GridgenError
 from gridgen_sym.functionals import Functional, define, functional
+from gridgen_sym.functionals.variant import kernel_name
 from gridgen_sym.runtime import cache_folder, choose_backend, compiler, find_compiler, kernels, process, toolchain
 from gridgen_sym.runtime.compiler import compile_library
 from gridgen_sym.runtime.sources import find_sources
@@ -613,10 +614,15 @@ def test_a_part_is_compiled_when_it_is_first_called_and_said(cache, capsys):
 @needs_compiler
 def test_each_part_exports_its_functions_and_no_others(cache):
     assert sorted(name for names in PARTS.values() for name in names) == sorted(FUNCTIONS)
-    source = find_sources(functional("length"), "plain", find_backend("c"))[1].read_text(encoding="utf-8")
+    sources = {
+        variant: find_sources(functional("length"), variant, find_backend("c"))[1].read_text(encoding="utf-8")
+        for variant in ("plain", "target+mixed")
+    }
     for part, _ in PARTS:
+        variant = "target+mixed" if part == "MIXED" else "plain"
+        source, name = sources[variant], kernel_name("length", variant)
         library = ctypes.CDLL(str(compile_library("length", part_of(source, part), headers=headers())))
-        exported = {name for name in FUNCTIONS if hasattr(library, f"length_{name}")}
+        exported = {function for function in FUNCTIONS if hasattr(library, f"{name}_{function}")}
         assert exported == {name for (other, _), names in PARTS.items() for name in names if other == part}
 
 

@@ -25,6 +25,7 @@ PARTS = {
     ("HESSIAN", "Hessian"): ("hessian",),
     ("SEMIDEFINITE", "semidefinite Hessian"): ("semidefinite_hessian",),
     ("PRODUCTS", "Hessian times a vector"): ("hessian_vector", "semidefinite_hessian_vector"),
+    ("MIXED", "mixed derivatives"): ("mixed",),
     ("SWEEP", "sweep over nodes"): ("sweep",),
     ("EQUATIONS", "Euler–Lagrange equations"): (
         "euler_lagrange_residual",
@@ -42,9 +43,9 @@ def load(facts: KernelFacts, source: str) -> Mapping[str, Function]:
     for (part, described), names in PARTS.items():
         text = part_of(source, part)
         library = cache(lambda text=text, described=described: open_library(facts.name, text, described, headers()))
-        if part == "ENERGY":
-            library()
         available = [name for name in names if name in facts.functions]
+        if part == "ENERGY" and available:
+            library()
         functions |= {name: _Function(library, f"{facts.name}_{name}", FUNCTIONS[name].arguments) for name in available}
     return functions
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -18,6 +19,7 @@ from ...topology import MultiBlock
 from ...topology.merging import merge
 from ..local import sweep_until_converged
 from ..logical import Spacing
+from ..minimum import Minimum
 from ..newton.minimize import minimize
 from ..run.checks import check_controls
 from ..run.deadline import Deadline
@@ -140,7 +142,10 @@ def optimize_layout(
             else:
                 again = partial(optimize_layout, merged.layout, definition, method, target=reference, **given)
                 again = partial(again, slide=sliding, merges=False)
-            return of_all_blocks(again, grid, merged)
+            whole_problem = partial(make_layout_problem, grid, definition, target=target, slide=slide)
+            whole_problem = partial(whole_problem, parameters=parameters, spacing=spacing, backend=backend)
+            minimum = Minimum(whole_problem, definition, parameters, tolerance, grid, target, slide)
+            return replace(of_all_blocks(again, grid, merged), minimum=minimum)
     limit, rectangles = _LIMITS[method] if max_iterations is None else max_iterations, logical_rectangles(grid, spacing)
     with Progress(f"{definition.name}, {len(grid)} blocks", callback, progress, Deadline(time_limit)) as report:
         problem = make(grid)
@@ -176,4 +181,5 @@ def optimize_layout(
                 run.take(start, folded=folded)
             return minimized()
 
-        return run_to_result(solve, run.result, report)
+        minimum = Minimum(lambda: run.problem, definition, parameters, tolerance, grid, target, slide)
+        return replace(run_to_result(solve, run.result, report), minimum=minimum)

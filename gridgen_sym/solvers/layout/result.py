@@ -8,13 +8,14 @@ from dataclasses import dataclass, field
 from ...certificates import Certificate
 from ...topology import MultiBlock
 from ...topology.quality import LayoutQuality, quality
+from ..run.differentiable import Differentiable
 from ..run.ended import Iterated
 from ..run.result import Step
 from ..run.status import Status
 
 
 @dataclass(frozen=True, slots=True)
-class LayoutResult(Iterated):
+class LayoutResult(Iterated, Differentiable):
     """A solved grid of several blocks.
 
     Attributes:
@@ -28,6 +29,7 @@ class LayoutResult(Iterated):
         untangled_by: what made a folded start valid; empty where the start was valid, or the result is folded.
         certificates: proofs that no valid grid has this outer boundary, by block, as `gridgen_sym.certificates` finds
             them; of a valid result, and where outer nodes slide, there are none.
+        minimum: what the grid is the minimum of, for derivatives; see `Result`.
     """
 
     grid: MultiBlock
@@ -39,6 +41,7 @@ class LayoutResult(Iterated):
     history: tuple[Step, ...]
     untangled_by: str = ""
     certificates: Mapping[str, tuple[Certificate, ...]] = field(default_factory=dict)
+    minimum: object = field(default=None, repr=False, compare=False)
 
     @property
     def quality(self) -> LayoutQuality:

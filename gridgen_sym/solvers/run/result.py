@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ...certificates import Certificate
 from ...fields.wall_growth import WallRemark
 from ...grids import Change, Grid, Quality, quality
+from .differentiable import Differentiable
 from .ended import Iterated
 from .status import Status
 
@@ -33,7 +34,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Result(Iterated):
+class Result(Iterated, Differentiable):
     """A solved grid.
 
     Attributes:
@@ -55,6 +56,7 @@ class Result(Iterated):
         change: some measures of the start and of `grid`; the message has one sentence on what of them is worse. Every
             solver gives it; None in a result made otherwise.
         wall_remarks: growth of walls that the cells cannot keep, with its numbers; the message has their sentences.
+        minimum: what the grid is the minimum of, for derivatives; None where it is none, or in a copy from a pickle.
     """
 
     grid: Grid
@@ -69,6 +71,7 @@ class Result(Iterated):
     logical_area: float = 1.0
     change: Change | None = None
     wall_remarks: tuple[WallRemark, ...] = ()
+    minimum: object = field(default=None, repr=False, compare=False)
 
     @property
     def quality(self) -> Quality:
