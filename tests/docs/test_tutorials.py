@@ -36,8 +36,14 @@ BLOCK = re.compile(
 DOWNLOAD = re.compile(r"\{download\}`[^`<]*<(?P<path>[^>]+)>`")
 #: Pages that need more packages than those of the tests.
 EXTRAS = {"ocean"}
-#: Runs Python blocks one after the other with the same names.
-SESSION = "import sys\nnames = {{}}\nfor block in {blocks!r}:\n    exec(compile(block, 'tutorial', 'exec'), names)\n"
+#: Runs the Python blocks that it is told, each on a line of its own, with the same names; says when one has ended.
+SESSION = """
+import sys
+names = {}
+for line in sys.stdin:
+    exec(compile(eval(line), "tutorial", "exec"), names)
+    print("\\nthe block has ended", flush=True)
+"""
 
 
 @dataclass
@@ -84,6 +90,38 @@ def clone(folder):
     return repository
 
 
+class Session:
+    """One Python for all blocks of a page, as a reader has it open beside the shell."""
+
+    def __init__(self, folder, variables):
+        self.program = subprocess.Popen(
+            [sys.executable, "-c", SESSION],
+            cwd=folder,
+            env=variables,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+
+    def run(self, block):
+        """Run a block and return what it prints."""
+        self.program.stdin.write(f"{block!r}\n")
+        self.program.stdin.flush()
+        printed = []
+        for line in self.program.stdout:
+            if line == "the block has ended\n":
+                return "".join(printed) or "nothing"
+            printed.append(line)
+        raise AssertionError("".join(printed))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self.program.__exit__(*error)
+
+
 def run(command, folder, variables):
     told = subprocess.run(
         command, cwd=folder, env=variables, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
@@ -111,26 +149,23 @@ def test_a_tutorial_can_be_followed(tutorial, tmp_path):
     work.mkdir()
     for offered in DOWNLOAD.finditer(tutorial.read_text(encoding="utf-8")):
         shutil.copy(tutorial.parent / offered["path"], work)
-    variables, session, printed, repository = environment(tmp_path), [], "", None
-    found = blocks(tutorial)
-    for block, following in zip(found, [*(one.kind for one in found[1:]), ""], strict=True):
-        if block.in_repository:
-            repository = repository or clone(tmp_path)
-        folder = repository if block.in_repository else work
-        here = variables | ({"PYTHONPATH": str(repository)} if block.in_repository else {})
-        if block.kind == "file":
-            (work / block.file).write_text(block.text, encoding="utf-8")
-        elif block.kind == "bash":
-            printed += run(["bash", "-euo", "pipefail", "-c", block.text], folder, here)
-        elif block.kind == "python":
-            session.append(block.text)
-            # What came before runs again, so that a block sees the files of the shell blocks between; blocks that
-            # follow each other run together.
-            if following != "python":
-                printed = run([sys.executable, "-c", SESSION.format(blocks=session)], folder, here) or "nothing"
-        elif block.kind == "text":
-            missing = [line for line in block.text.splitlines() if line not in printed]
-            assert not missing, f"{tutorial.name} says {missing}; printed was:\n{printed}"
+    variables, printed, repository = environment(tmp_path), "", None
+    with Session(work, variables) as session:
+        for block in blocks(tutorial):
+            if block.in_repository:
+                repository = repository or clone(tmp_path)
+            folder = repository if block.in_repository else work
+            here = variables | ({"PYTHONPATH": str(repository)} if block.in_repository else {})
+            if block.kind == "file":
+                (work / block.file).write_text(block.text, encoding="utf-8")
+            elif block.kind == "bash":
+                printed += run(["bash", "-euo", "pipefail", "-c", block.text], folder, here)
+            elif block.kind == "python":
+                assert not block.in_repository
+                printed += session.run(block.text)
+            elif block.kind == "text":
+                missing = [line for line in block.text.splitlines() if line not in printed]
+                assert not missing, f"{tutorial.name} says {missing}; printed was:\n{printed}"
     assert printed
 
 
@@ -140,3 +175,10 @@ def test_a_wrong_claim_is_found(tmp_path):
     assert [block.kind for block in blocks(page)] == ["bash", "text"]
     with pytest.raises(AssertionError, match="two"):
         test_a_tutorial_can_be_followed(page, tmp_path)
+
+
+def test_a_block_that_fails_is_told(tmp_path):
+    with Session(tmp_path, {**os.environ}) as session:
+        assert session.run("a = 1\nprint(a)\n") == "1\n\n"
+        with pytest.raises(AssertionError, match="ZeroDivisionError"):
+            session.run("1/(a - 1)\n")

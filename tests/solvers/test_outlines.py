@@ -41,7 +41,7 @@ OUTLINES = {
     "slanted S": ([*_SLANTED_S[5:], *_SLANTED_S[:5]], (0, 1, 3, 8)),
     "S with a side of seven turns": (_FLAT_S, (0, 1, 7, 8)),
 }
-SIZES = [(40, 8), (60, 12), (80, 16), (100, 20), (120, 24), (140, 28), (160, 32), (180, 36), (200, 40), (240, 48)]
+SIZES = [(40, 8), (60, 12), (100, 20), (120, 24), (160, 32), (240, 48)]
 SAMPLINGS = "features", "equal"
 #: Those that no regularized barrier makes valid from the start that nested iteration gives.
 HARD = [
