@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .adaptation import AdaptResult as AdaptResult
     from .adaptation import AdaptStep as AdaptStep
     from .adaptation import Equidistribution as Equidistribution
+    from .adaptation import LayoutAdaptResult as LayoutAdaptResult
     from .adaptation import Monitor as Monitor
     from .adaptation import Spread as Spread
     from .adaptation import hierarchical_error as hierarchical_error
@@ -117,8 +118,9 @@ if TYPE_CHECKING:
 #: The packages of the public names that are loaded when they are used.
 _PACKAGES = {
     "adaptation": (
-        "AdaptResult AdaptStep Equidistribution Monitor Spread adapt equidistribution hierarchical_error "
-        "interpolation_error recover_gradient recover_hessian recovery_error richardson_error transfer"
+        "AdaptResult AdaptStep Equidistribution LayoutAdaptResult Monitor Spread adapt equidistribution "
+        "hierarchical_error interpolation_error recover_gradient recover_hessian recovery_error richardson_error "
+        "transfer"
     ),
     "boundary": "CornerChoice Outline Wall domain domain_names first_height",
     "certificates": "Certificate certificates sliver_certificate",

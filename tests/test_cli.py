@@ -617,6 +617,14 @@ def test_boundaries_slide_on_the_command_line(two_blocks):
         )
 
 
+def test_several_blocks_are_adapted(two_blocks):
+    formula = "tanh(9*(x - 0.5))"
+    said = run("adapt", "two.p2dfmt", "--to", formula, "--max-iterations", "2", "-o", "adapted.p2dfmt")
+    assert "density times area, variation at the start" in said
+    found = gg.adapt(two_blocks, formula, max_iterations=2)
+    assert gg.read("adapted.p2dfmt").blocks[0].planes == pytest.approx(found.grid.blocks[0].planes, abs=1e-9)
+
+
 def test_quality_of_several_blocks(two_blocks):
     assert "block 0: not valid" in run("quality", "two.p2dfmt", "--plot", "two.png", code=1)
     told = json.loads(run("quality", "two.p2dfmt", "--json", code=1))
@@ -660,7 +668,7 @@ def test_a_file_as_a_target_may_have_another_angle(two_blocks):
             ("grid", "swan", "-f", "winslow", "--layout"),
             "--layout belongs to a grid file or a layout's name, which swan",
         ),
-        (("adapt", "two.p2dfmt", "--to", "x"), "came a MultiBlock of 2: this is for one block"),
+        (("adapt", "pipe", "--to", "x", "--boundary", "all"), "boundary must be 'fixed'; came 'all'"),
         (("grid", "back.p2dfmt", "-f", "winslow"), "block 1 of back.p2dfmt runs clockwise"),
     ],
 )

@@ -13,4 +13,5 @@ from .recovery import recover_gradient as recover_gradient
 from .recovery import recover_hessian as recover_hessian
 from .result import AdaptResult as AdaptResult
 from .result import AdaptStep as AdaptStep
+from .result import LayoutAdaptResult as LayoutAdaptResult
 from .transfer import transfer as transfer

@@ -3,32 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import get_args
 
-import numpy as np
 import numpy.typing as npt
 
 from ..deprecation import renamed_arguments
-from ..errors import GridgenError, quoted
 from ..fields.target import Target
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
-from ..grids import Grid, quality
+from ..grids import Grid
 from ..grids.grid import check_grid
-from ..solvers import untangle
-from ..solvers.run.checks import check_size, check_time_limit, fixed_mask
-from ..solvers.run.deadline import Deadline, StopRequest
-from ..solvers.run.status import Outcome, StopReason
-from .monitor import Measure, Monitor, as_monitor
+from ..solvers.layout.dispatch import on_several_blocks
+from ..solvers.run.checks import check_size, fixed_mask
+from ..solvers.run.deadline import Deadline
+from .arguments import check_arguments, valid_start
+from .layouts import adapt_layout
+from .monitor import Monitor, as_monitor
 from .mover import Mover
+from .nodes import Measure
 from .result import AdaptResult
-from .run import Callback, Live, Run
+from .run import Callback, adapted
 from .sides import Boundary, SideSpacing, sliding_curves
 from .source import Solution, source_of
 from .weight_exponent import weight_exponent_of
 
 
-@renamed_arguments(steps="max_iterations", power="weight_exponent")
+@on_several_blocks(adapt_layout, without=("moves",), gets_own=True)
+@renamed_arguments(stacklevel=3, steps="max_iterations", power="weight_exponent")
 def adapt(
     grid: Grid,
     solution: Solution,
@@ -57,9 +57,11 @@ def adapt(
     point and not one minimization; from step to step the weight is damped.
 
     Args:
-        grid: the start. A folded one is untangled first.
+        grid: the start. A folded one is untangled first. Of several blocks, a `MultiBlock`, the result is a
+            `LayoutAdaptResult`; their boundary stays, unless the blocks are one together.
         solution: what to adapt to: a function of one argument, your solver, that takes a `Grid` and returns nodal
-            values (ni, nj); a function of two arrays (x, y); a formula in x and y, as text or as a SymPy expression; or
+            values (ni, nj), or takes a `MultiBlock` and returns them by the names of blocks;
+            a function of two arrays (x, y); a formula in x and y, as text or as a SymPy expression; or
             nodal values on `grid`, which are interpolated.
         functional: what is minimized. The default has a barrier; one without a barrier is kept from folding by the
             lengths of its steps alone.
@@ -95,65 +97,20 @@ def adapt(
         Exception: whatever the callback raises. The attribute `result` of an error after the start holds the last grid
             whose solution is known.
     """
-    _check_arguments(grid, max_iterations, moves, damping, tolerance, boundary, callback, time_limit)
+    check_grid(grid)
+    check_size(grid)
+    check_arguments(max_iterations, moves, damping, tolerance, boundary, callback, time_limit)
     deadline = Deadline(time_limit)
     definition = find_functional(functional)
     exponent = weight_exponent_of(definition.name, weight_exponent)
     source = source_of(solution, grid)
-    start, note = _valid_start(grid, fixed, deadline, backend)
+    start, note = valid_start(grid, fixed, deadline, backend)
     chosen = as_monitor(monitor)
     sides = SideSpacing(sliding_curves(start, boundary, fixed), chosen.side_exponent)
     mask = fixed_mask(grid, fixed)
     given = {"parameters": parameters, "fields": fields, "target": target}
     mover = Mover(definition, exponent, given, mask, backend, damping, sides, deadline)
-    run = Run(source, chosen, mover, start)
-    with Live(f"adapt, {definition.name}", callback, progress) as live:
-        outcome = run.until_ended(max_iterations, moves or source.moves, tolerance, live)
-    return run.result(Outcome(outcome.status, note + outcome.message))
-
-
-def _check_arguments(
-    grid: Grid,
-    max_iterations: int,
-    moves: int | None,
-    damping: float,
-    tolerance: float,
-    boundary: str,
-    callback: Callback | None,
-    time_limit: float | None,
-) -> None:
-    """Refuse arguments out of their range.
-
-    Raises:
-        GridgenError: naming the argument, its range and what came.
-    """
-    check_grid(grid)
-    check_size(grid)
-    for name, count, least in (("max_iterations", max_iterations, 0), ("moves", moves, 1)):
-        if count is not None and (not isinstance(count, (int, np.integer)) or count < least):
-            raise GridgenError(f"{name} must be a whole number, at least {least}; came {quoted(count)}")
-    for name, number in (("damping", damping), ("tolerance", tolerance)):
-        if not isinstance(number, (int, float, np.number)) or not 0 < number <= 1:
-            raise GridgenError(f"{name} must be a number above 0 and at most 1; came {quoted(number)}")
-    if boundary not in get_args(Boundary):
-        raise GridgenError(f"unknown boundary {quoted(boundary)}: it is one of {', '.join(get_args(Boundary))}")
-    if callback is not None and not callable(callback):
-        raise GridgenError(f"callback must be a function of one AdaptStep; came {quoted(callback)}")
-    check_time_limit(time_limit)
-
-
-def _valid_start(grid: Grid, fixed: npt.ArrayLike | None, deadline: Deadline, backend: str | None) -> tuple[Grid, str]:
-    """Return the start, untangled if it was folded, and what must be reported of that."""
-    if quality(grid).valid:
-        return grid, ""
-    refusal = "adaptation needs a valid start, and this one is folded"
-    try:
-        mended = untangle(grid, fixed=fixed, time_limit=deadline.check(), backend=backend)
-        if mended.stopped_by is StopReason.USER:
-            raise KeyboardInterrupt
-        if not mended.converged:
-            deadline.check()
-            raise GridgenError(f"{refusal}: {mended.message}")
-    except StopRequest as stop:
-        raise GridgenError(f"{refusal}: {stop} before it was untangled") from stop
-    return mended.grid, "The start was folded and was untangled first: "
+    often = moves or source.moves
+    found = adapted(source, chosen, mover, start, note, max_iterations, often, tolerance, callback, progress)
+    assert isinstance(found, AdaptResult)
+    return found

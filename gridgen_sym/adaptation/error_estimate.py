@@ -23,8 +23,12 @@ def recovery_error(grid: Grid, values: npt.ArrayLike) -> Array:
     Raises:
         GridgenError: as for `recover_gradient`.
     """
-    recovered = recover_gradient(grid, values)
-    nodes = np.concatenate((grid.planes, nodal_values(grid, values)[np.newaxis], recovered))
+    return recovery_indicator(grid, nodal_values(grid, values), recover_gradient(grid, values))
+
+
+def recovery_indicator(grid: Grid, values: Array, recovered: Array) -> Array:
+    """Return the same for values that are checked, with their recovered gradient (2, ni, nj)."""
+    nodes = np.concatenate((grid.planes, values[np.newaxis], recovered))
     corners = nodes[:, :-1, :-1], nodes[:, 1:, :-1], nodes[:, 1:, 1:], nodes[:, :-1, 1:]
     total = np.zeros((grid.shape[0] - 1, grid.shape[1] - 1))
     for p in _GAUSS:
@@ -51,8 +55,12 @@ def hierarchical_error(grid: Grid, values: npt.ArrayLike) -> Array:
     Raises:
         GridgenError: as for `recover_gradient`.
     """
-    gradient = recover_gradient(grid, values)
-    fields = np.concatenate((nodal_values(grid, values)[np.newaxis], grid.planes))
+    return hierarchical_indicator(grid, nodal_values(grid, values), recover_gradient(grid, values))
+
+
+def hierarchical_indicator(grid: Grid, values: Array, gradient: Array) -> Array:
+    """Return the same for values that are checked, with their recovered gradient (2, ni, nj)."""
+    fields = np.concatenate((values[np.newaxis], grid.planes))
     curvatures = []
     for axis in (1, 2):
         second = from_inside(_second_difference(fields, axis), axis)

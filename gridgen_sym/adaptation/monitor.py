@@ -34,13 +34,8 @@ import numpy.typing as npt
 from ..arrays import Array
 from ..deprecation import renamed_arguments
 from ..errors import GridgenError, quoted
-from ..fields.sampled import nodal
 from ..grids import Grid
-from .equidistribution import cell_areas, cell_means
-from .error_estimate import hierarchical_error, recovery_error
-from .recovery import nodal_values, recover_gradient, recover_hessian
-
-Measure = Callable[[Grid, Array], npt.ArrayLike]
+from .nodes import BlockNodes, Measure, Nodes, mean_of
 
 #: Steps of bisection by which the intensity is found to round-off.
 _BISECTIONS = 60
@@ -48,37 +43,31 @@ _BISECTIONS = 60
 ROUNDING = 8 * float(np.finfo(float).eps)
 
 
-def _mean(grid: Grid, values: Array) -> float:
-    """Return the mean of nodal values over the area of a grid."""
-    area = cell_areas(grid)
-    return float((cell_means(values) * area).sum() / area.sum())
+def _slope(nodes: Nodes, values: Array) -> Array:
+    return np.asarray(np.hypot(*nodes.gradient(values)))
 
 
-def _slope(grid: Grid, values: Array) -> Array:
-    return np.asarray(np.hypot(*recover_gradient(grid, values)))
-
-
-def _curvature(grid: Grid, values: Array) -> Array:
-    u_xx, u_xy, u_yy = recover_hessian(grid, values)
+def _curvature(nodes: Nodes, values: Array) -> Array:
+    u_xx, u_xy, u_yy = nodes.hessian(values)
     mean, radius = np.abs(u_xx + u_yy) / 2, np.hypot((u_xx - u_yy) / 2, u_xy)
     large, small = mean + radius, np.abs(mean - radius)
-    typical = _mean(grid, large**0.4) ** 2.5
+    typical = mean_of(nodes, large**0.4) ** 2.5
     return np.asarray((large * np.maximum(small, typical**0.8 * large**0.2)) ** (1 / 3))
 
 
-def _recovery_error(grid: Grid, values: Array) -> Array:
-    return nodal(recovery_error(grid, values) ** (2 / 3) / cell_areas(grid))
+def _recovery_error(nodes: Nodes, values: Array) -> Array:
+    return nodes.at_nodes(nodes.recovery_error(values) ** (2 / 3) / nodes.areas)
 
 
-def _hierarchical_error(grid: Grid, values: Array) -> Array:
-    return nodal(hierarchical_error(grid, values) ** 0.4 / cell_areas(grid))
+def _hierarchical_error(nodes: Nodes, values: Array) -> Array:
+    return nodes.at_nodes(nodes.hierarchical_error(values) ** 0.4 / nodes.areas)
 
 
-def _values(grid: Grid, values: Array) -> Array:
+def _values(nodes: Nodes, values: Array) -> Array:
     return values
 
 
-_MEASURES: dict[str, Measure] = {
+_MEASURES: dict[str, Callable[[Nodes, Array], Array]] = {
     "gradient": _slope,
     "arc_length": _slope,
     "curvature": _curvature,
@@ -161,28 +150,34 @@ class Monitor:
             GridgenError: for values of another shape or not finite, a folded grid, or a measure that is negative,
                 not finite, or of another shape.
         """
-        u = nodal_values(grid, values)
-        measure = _MEASURES[self.measure] if isinstance(self.measure, str) else self.measure
-        m = nodal_values(grid, measure(grid, u), "a monitor's measure")
-        if self.measure == "values":
-            _check_positive(grid, m, "density of nodes must be positive", smallest=np.finfo(float).tiny)
-            return smoothed(m, self.smoothing)
-        _check_positive(grid, m, "measure of features must not be negative", smallest=0.0)
-        return smoothed(self._intensified(grid, self._above_round_off(grid, u, m)), self.smoothing)
+        nodes = BlockNodes(grid)
+        return self.density_at(nodes, nodes.values(values, "nodal values"))
 
-    def _above_round_off(self, grid: Grid, u: Array, m: Array) -> Array:
+    def density_at(self, nodes: Nodes, u: Array) -> Array:
+        """Return the same at the nodes of one block or several, for values that are checked."""
+        if not isinstance(self.measure, str):
+            m = nodes.measured(self.measure, u)
+        else:
+            m = nodes.values(nodes.given_back(_MEASURES[self.measure](nodes, u)), "a monitor's measure")
+        if self.measure == "values":
+            _check_positive(nodes, m, "density of nodes must be positive", smallest=np.finfo(float).tiny)
+            return nodes.smoothed(m, self.smoothing)
+        _check_positive(nodes, m, "measure of features must not be negative", smallest=0.0)
+        return nodes.smoothed(self._intensified(nodes, self._above_round_off(nodes, u, m)), self.smoothing)
+
+    def _above_round_off(self, nodes: Nodes, u: Array, m: Array) -> Array:
         """Return a measure m of values u, or zero if it is no larger than that of what rounding may add to u."""
         if not isinstance(self.measure, str):
             return m
-        signs = np.random.default_rng(0).choice((-1.0, 1.0), grid.shape)
-        noise = np.asarray(_MEASURES[self.measure](grid, ROUNDING * float(np.abs(u).max()) * signs))
+        signs = np.random.default_rng(0).choice((-1.0, 1.0), u.shape)
+        noise = np.asarray(_MEASURES[self.measure](nodes, ROUNDING * float(np.abs(u).max()) * signs))
         return m if m.max() > noise.max() else np.zeros_like(m)
 
-    def _intensified(self, grid: Grid, m: Array) -> Array:
+    def _intensified(self, nodes: Nodes, m: Array) -> Array:
         """Return the density whose excess over 1 is `feature_fraction` of its integral."""
         if not m.any():  # Nothing to adapt to.
             return np.ones_like(m)
-        m = m / _mean(grid, m)
+        m = m / mean_of(nodes, m)
         if self.measure != "arc_length":
             return 1 + self.feature_fraction / (1 - self.feature_fraction) * m
         # For alpha -> infinity the mean is that of sqrt(alpha) m; it grows with alpha.
@@ -190,7 +185,7 @@ class Monitor:
         low, high = 0.0, wanted**2
         for _ in range(_BISECTIONS):
             middle = (low + high) / 2
-            low, high = (middle, high) if _mean(grid, np.sqrt(1 + middle * m**2)) < wanted else (low, middle)
+            low, high = (middle, high) if mean_of(nodes, np.sqrt(1 + middle * m**2)) < wanted else (low, middle)
         return np.asarray(np.sqrt(1 + high * m**2))
 
 
@@ -199,20 +194,9 @@ def as_monitor(monitor: Monitor | str | Measure) -> Monitor:
     return monitor if isinstance(monitor, Monitor) else Monitor(monitor)
 
 
-def smoothed(field: Array, passes: int) -> Array:
-    """Return a field (ni, nj) after some passes of the binomial average (1, 2, 1)/4 along both logical directions."""
-    for _ in range(passes):
-        for axis in (0, 1):
-            rows = np.moveaxis(field, axis, 0)
-            padded = np.concatenate((rows[:1], rows, rows[-1:]))
-            field = np.moveaxis((padded[:-2] + 2 * padded[1:-1] + padded[2:]) / 4, 0, axis)
-    return field
-
-
-def _check_positive(grid: Grid, m: Array, what: str, *, smallest: float) -> None:
+def _check_positive(nodes: Nodes, m: Array, what: str, *, smallest: float) -> None:
     if m.min() < smallest:
-        i, j = divmod(int(m.argmin()), m.shape[1])
         raise GridgenError(
-            f"a monitor's {what}: it is {m.min():.6g} at node ({i}, {j}), x = {grid.x[i, j]:.6g}, "
-            f"y = {grid.y[i, j]:.6g}. Take its absolute value, or add {1 - m.min():.6g} to it"
+            f"a monitor's {what}: it is {m.min():.6g} at {nodes.place(m)}. Take its absolute value, or add "
+            f"{1 - m.min():.6g} to it"
         )

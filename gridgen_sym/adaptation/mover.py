@@ -9,20 +9,21 @@ where steps agree, and falls where they turn back.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from ..arrays import Array, Mask
+from ..arrays import Array
 from ..fields import Weight
-from ..fields.sampled import grid_field, nodal
+from ..fields.sampled import grid_field
 from ..functionals.definition import Functional
 from ..grids import Grid
 from ..solvers import energy, optimize
 from ..solvers.run.deadline import Deadline
-from .equidistribution import cell_areas
+from ..topology import MultiBlock
+from .layout_nodes import nodes_of
 from .sides import SideSpacing
 from .weight_exponent import WeightExponent, weight_values
 
@@ -30,6 +31,8 @@ from .weight_exponent import WeightExponent, weight_values
 _INNER_TOLERANCE, _INNER_STEPS = 1e-2, 30
 #: Aitken's rule chooses the damping between these; above 1 the weight is extrapolated.
 _LEAST_DAMPING, _MOST_DAMPING = 0.1, 2.0
+
+SomeGrid = TypeVar("SomeGrid", Grid, MultiBlock)
 
 
 @dataclass(slots=True)
@@ -40,21 +43,21 @@ class Mover:
         functional: what is minimized.
         weight_exponent: of the functional.
         given: what else the functional takes, as `optimize` does: `parameters`, `fields` and `target`.
-        fixed: mask of the nodes that do not move.
+        fixed: mask of the nodes that do not move; of several blocks by name.
         backend: `c`, `numpy` or the default.
         damping: how far the next weight goes to the one of the density; the first one is given, others follow.
         sides: where boundary nodes slide, and how they are spaced.
         deadline: of the adaptation.
-        weight: the last weight (ni, nj); at first that under which the start is equidistributed.
+        weight: the last weight, at the nodes; at first that under which the start is equidistributed.
         energy: the size of the functional's energy with that.
         failure: why the last minimization did not converge, or nothing.
-        residual: (ni, nj), of the last move: the logarithm of the density's weight over the weight before.
+        residual: of the last move, at the nodes: the logarithm of the density's weight over the weight before.
     """
 
     functional: Functional
     weight_exponent: WeightExponent
     given: Mapping[str, Any]
-    fixed: Mask
+    fixed: Any
     backend: str | None
     damping: float
     sides: SideSpacing
@@ -64,32 +67,37 @@ class Mover:
     failure: str = ""
     residual: Array | None = None
 
-    def toward(self, grid: Grid, density: Array, moves: int) -> Grid:
-        """Return the grid after some moves toward the density (ni, nj) at its nodes; interpolated between moves.
+    def toward(self, grid: SomeGrid, density: Array, moves: int) -> SomeGrid:
+        """Return the grid after some moves toward the density at its nodes; interpolated between moves.
+
+        Several blocks are moved once.
 
         Raises:
             StopRequest: when the time is over.
             KeyboardInterrupt: after Ctrl-C.
         """
-        moved, there = self._move(grid, density), None
-        for _ in range(moves - 1):
-            there = there or grid_field(grid, density)
-            moved = self._move(moved, there(moved.x, moved.y))
+        moved: SomeGrid = self._move(grid, density)
+        there = None
+        if not isinstance(grid, MultiBlock):
+            for _ in range(moves - 1):
+                there = there or grid_field(grid, density)
+                moved = self._move(moved, there(moved.x, moved.y))
         return moved
 
-    def _move(self, start: Grid, density: Array) -> Grid:
+    def _move(self, start: Any, density: Array) -> Any:  # noqa: ANN401 - a grid of one block or several
+        nodes = nodes_of(start)
         if self.weight is None:
-            self.weight = weight_values(nodal(1 / cell_areas(start)), start, self.weight_exponent)
-        residual = np.log(weight_values(density, start, self.weight_exponent) / self.weight)
+            self.weight = weight_values(nodes.at_nodes(1 / nodes.areas), nodes, self.weight_exponent)
+        residual = np.log(weight_values(density, nodes, self.weight_exponent) / self.weight)
         size = self._size(start) if self.sides.curves else 1.0
         self._choose_damping(residual)
-        slide = self.sides.toward(start, density, self.damping, size)
+        slide = self.sides.toward(start, density, self.damping, size) if self.sides.curves else None
         self.weight = self.weight * np.exp(self.damping * residual)
-        solved = optimize(
+        solved: Any = optimize(
             start,
             self.functional,
-            weight=Weight(self.weight),
-            slide=slide or None,
+            weight=nodes.weights(self.weight),
+            slide=slide,
             fixed=self.fixed,
             tolerance=_INNER_TOLERANCE,
             max_iterations=_INNER_STEPS,
@@ -123,7 +131,13 @@ class Mover:
         self.residual = residual
 
 
-def movement(one: Grid, other: Grid) -> float:
+def movement(one: Grid | MultiBlock, other: Grid | MultiBlock) -> float:
     """Return the largest distance between a node of one grid and of another, over the size of the first."""
-    size = max(float(np.ptp(one.x)), float(np.ptp(one.y)))
-    return float(np.hypot(*(other.planes - one.planes)).max()) / size
+    before, after = (
+        np.concatenate([block.planes.reshape(2, -1) for block in _blocks(grid)], axis=1) for grid in (one, other)
+    )
+    return float(np.hypot(*(after - before)).max() / np.ptp(before, axis=1).max())
+
+
+def _blocks(grid: Grid | MultiBlock) -> Sequence[Grid]:
+    return grid.blocks if isinstance(grid, MultiBlock) else (grid,)

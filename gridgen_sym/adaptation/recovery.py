@@ -68,7 +68,15 @@ def nodal_values(grid: Grid, values: npt.ArrayLike, what: str = "nodal values") 
 
 
 def _gradient(grid: Grid, u: Array) -> Array:
+    gradient, J = weighted_gradient(grid, u)
+    return gradient / J
+
+
+def weighted_gradient(grid: Grid, u: Array) -> tuple[Array, Array]:
+    """Return J times the recovered gradient (2, ni, nj) of nodal values, and J.
+
+    J is the mean of the Jacobians of the corners at the node: positive on a valid grid.
+    """
     (x_xi, x_eta), (y_xi, y_eta), (u_xi, u_eta) = (np.gradient(field) for field in (grid.x, grid.y, u))
-    # The sum of the Jacobians of the corners at the node: positive on a valid grid.
-    J = x_xi * y_eta - x_eta * y_xi
-    return np.stack((u_xi * y_eta - u_eta * y_xi, u_eta * x_xi - u_xi * x_eta)) / J
+    J = np.asarray(x_xi * y_eta - x_eta * y_xi)
+    return np.stack((u_xi * y_eta - u_eta * y_xi, u_eta * x_xi - u_xi * x_eta)), J

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ..arrays import Array
@@ -9,6 +10,8 @@ from ..fields.sampled import grid_field
 from ..grids import Change, Grid, Measures, Quality, quality
 from ..solvers.run.ended import Ended
 from ..solvers.run.status import Status
+from ..topology import LayoutQuality, MultiBlock
+from ..topology import quality as quality_of_layout
 from .equidistribution import Equidistribution, equidistribution
 
 
@@ -34,8 +37,31 @@ class AdaptStep:
     damping: float
 
 
+class Adapted(Ended):
+    """What the results of one block and of several say of how an adaptation ended."""
+
+    __slots__ = ()
+    message: str
+    history: tuple[AdaptStep, ...]
+
+    @property
+    def converged(self) -> bool:
+        """Whether the grid has settled, and is no worse than the start by its own estimate."""
+        return self.status is Status.CONVERGED
+
+    @property
+    def iterations(self) -> int:
+        """The number of steps."""
+        return len(self.history) - 1
+
+    def __str__(self) -> str:
+        """Say in one line how it ended."""
+        state = "converged" if self.converged else "NOT converged"
+        return f"{state} after {self.iterations} steps: {self.message}"
+
+
 @dataclass(frozen=True, slots=True)
-class AdaptResult(Ended):
+class AdaptResult(Adapted):
     """An adapted grid.
 
     Attributes:
@@ -57,11 +83,6 @@ class AdaptResult(Ended):
     start: Grid
 
     @property
-    def converged(self) -> bool:
-        """Whether the grid has settled, and is no worse than the start by its own estimate."""
-        return self.status is Status.CONVERGED
-
-    @property
     def before(self) -> Equidistribution:
         """The spread of s·J and sqrt(s)·J over the cells of the start; s is the last density, interpolated."""
         return equidistribution(self.start, grid_field(self.grid, self.density)(self.start.x, self.start.y))
@@ -70,11 +91,6 @@ class AdaptResult(Ended):
     def after(self) -> Equidistribution:
         """The spread of s·J and sqrt(s)·J over the cells of `grid`; s is the last density."""
         return equidistribution(self.grid, self.density)
-
-    @property
-    def iterations(self) -> int:
-        """The number of steps."""
-        return len(self.history) - 1
 
     @property
     def change(self) -> Change:
@@ -86,10 +102,33 @@ class AdaptResult(Ended):
         """The quality measures of the grid."""
         return quality(self.grid)
 
-    def __str__(self) -> str:
-        """Say in one line how it ended."""
-        state = "converged" if self.converged else "NOT converged"
-        return f"{state} after {self.iterations} steps: {self.message}"
+
+@dataclass(frozen=True, slots=True)
+class LayoutAdaptResult(Adapted):
+    """An adapted grid of several blocks; the attributes are those of `AdaptResult`.
+
+    Attributes:
+        grid: the last grid.
+        values: the solution on `grid`: for each block, by name, (ni, nj).
+        density: the density of nodes that was asked for, likewise.
+        status: how it ended.
+        message: why it stopped.
+        history: one entry per step.
+        start: the grid of step 0.
+    """
+
+    grid: MultiBlock
+    values: Mapping[str, Array] = field(compare=False)
+    density: Mapping[str, Array] = field(compare=False)
+    status: Status
+    message: str
+    history: tuple[AdaptStep, ...]
+    start: MultiBlock
+
+    @property
+    def quality(self) -> LayoutQuality:
+        """The quality measures of the grid."""
+        return quality_of_layout(self.grid)
 
 
 def change_of(start: Grid, grid: Grid) -> Change:

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
 from ..fields.sampled import SampledField, grid_field
-from ..grids import Grid, quality
+from ..grids import Grid
 from ..solvers.run.deadline import StopRequest
 from ..solvers.run.live import LiveLine
 from ..solvers.run.status import Outcome, Status, StopReason
-from .equidistribution import cell_areas, cell_means, variation
-from .error_estimate import hierarchical_error
+from ..topology import MultiBlock, quality
+from .equidistribution import variation
+from .layout_nodes import nodes_of
 from .monitor import ROUNDING, Monitor
 from .mover import Mover, movement
-from .result import AdaptResult, AdaptStep, change_of
+from .result import AdaptResult, AdaptStep, LayoutAdaptResult, change_of
 from .source import Source
 
 #: Monitors to be tried where another one made the grid worse.
@@ -51,6 +53,25 @@ class Live(LiveLine):
         )
 
 
+def adapted(
+    source: Source,
+    monitor: Monitor,
+    mover: Mover,
+    start: Grid | MultiBlock,
+    note: str,
+    max_iterations: int,
+    moves: int,
+    tolerance: float,
+    callback: Callback | None,
+    progress: bool | None,
+) -> AdaptResult | LayoutAdaptResult:
+    """Adapt a valid start; the message of the result begins with a note."""
+    run = Run(source, monitor, mover, start)
+    with Live(f"adapt, {mover.functional.name}", callback, progress) as live:
+        outcome = run.until_ended(max_iterations, moves, tolerance, live)
+    return run.result(Outcome(outcome.status, note + outcome.message))
+
+
 @dataclass(slots=True)
 class Run:
     """The state of one adaptation: the last grid whose solution is known, that solution and its density."""
@@ -58,8 +79,8 @@ class Run:
     source: Source
     monitor: Monitor
     mover: Mover
-    start: Grid
-    grid: Grid = field(init=False)
+    start: Any  # A Grid or a MultiBlock, and so is the last one.
+    grid: Any = field(init=False)
     values: Array = field(init=False)
     density: Array = field(init=False)
     history: list[AdaptStep] = field(default_factory=list)
@@ -108,7 +129,7 @@ class Run:
             why = f"nodes move no farther, but {name} is not minimized: {self.mover.failure}"
             return Outcome(Status.STALLED, why)
         message = f"the grid has settled: its last step moved no node by more than {distance:.1e}."
-        size = float(np.abs(self.values).max()) * float(np.sqrt(cell_areas(self.grid).sum()))
+        size = float(np.abs(self.values).max()) * float(np.sqrt(nodes_of(self.grid).areas.sum()))
         least = max(self.history[0].error, ROUNDING * size)
         if not self._estimates or self.history[-1].error <= least:
             return Outcome(Status.CONVERGED, message)
@@ -125,13 +146,13 @@ class Run:
         """Whether the history holds estimates of an error: of a density that is given there is none."""
         return self.monitor.measure != "values"
 
-    def _solve_on(self, grid: Grid, distance: float) -> AdaptStep:
+    def _solve_on(self, grid: Any, distance: float) -> AdaptStep:  # noqa: ANN401
         """Solve on a grid and make it the present one."""
-        values = self.source.on(grid, len(self.history))
+        values, nodes = self.source.on(grid, len(self.history)), nodes_of(grid)
         if self.carried is not None:
-            density = self.carried(grid.x, grid.y)
+            density = self.carried(nodes.x, nodes.y)
         else:
-            density = self.monitor.density(grid, values)
+            density = self.monitor.density_at(nodes, values)
             if self.source.sampled:
                 # Derivatives of interpolated values would show the interpolation: this density is carried along.
                 self.carried = grid_field(grid, density)
@@ -139,29 +160,28 @@ class Run:
         step = AdaptStep(
             step=len(self.history),
             movement=distance,
-            error=float(np.linalg.norm(hierarchical_error(grid, values))),
-            spread=variation(cell_means(density) * cell_areas(grid)),
+            error=float(np.linalg.norm(nodes.hierarchical_error(values))),
+            spread=variation(nodes.cell_means(density) * nodes.areas),
             min_jacobian=quality(grid).min_jacobian,
             damping=self.mover.damping,
         )
         self.history.append(step)
         return step
 
-    def result(self, outcome: Outcome) -> AdaptResult:
+    def result(self, outcome: Outcome) -> AdaptResult | LayoutAdaptResult:
         """Return what was found."""
         message = outcome.message
         if self._estimates:
             first, last = self.history[0].error, self.history[-1].error
             message += f" The estimated error of interpolation was {first:.2e}, now it is {last:.2e}."
         if np.ptp(self.values) == 0:
-            message += f" The solution is {self.values[0, 0]:g} at every node: there is nothing to adapt to."
+            message += f" The solution is {self.values.flat[0]:g} at every node: there is nothing to adapt to."
+        told: dict[str, Any] = {"status": outcome.status, "history": tuple(self.history)}
+        if isinstance(self.grid, MultiBlock):
+            back = nodes_of(self.grid).given_back
+            found = {"values": back(self.values), "density": back(self.density)}
+            return LayoutAdaptResult(grid=self.grid, start=self.start, message=message, **found, **told)
         message = f"{message} {change_of(self.start, self.grid).warning}".rstrip()
         return AdaptResult(
-            grid=self.grid,
-            values=self.values,
-            density=self.density,
-            status=outcome.status,
-            message=message,
-            history=tuple(self.history),
-            start=self.start,
+            grid=self.grid, start=self.start, values=self.values, density=self.density, message=message, **told
         )

@@ -14,8 +14,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import GridgenError
 from ..fields.weight import LARGEST
-from ..grids import Grid
-from .equidistribution import cell_areas, cell_means
+from .nodes import Nodes, mean_of
 
 
 class WeightExponent(NamedTuple):
@@ -58,8 +57,8 @@ def weight_exponent_of(functional: str, given: float | None = None) -> WeightExp
     return _KNOWN[functional]
 
 
-def weight_values(density: Array, grid: Grid, weight_exponent: WeightExponent) -> Array:
-    """Return the weight (ni, nj) at the nodes of a grid, scaled so that the energy has no unit.
+def weight_values(density: Array, nodes: Nodes, weight_exponent: WeightExponent) -> Array:
+    """Return the weight at the nodes of a grid, scaled so that the energy has no unit.
 
     The density is taken relative to its mean, and J relative to its mean, which on the unit square is the grid's area.
     The balance of the weighted term with a barrier then depends neither on the size of the domain, nor on the number of
@@ -70,8 +69,7 @@ def weight_values(density: Array, grid: Grid, weight_exponent: WeightExponent) -
             much.
     """
     power, degree = weight_exponent
-    area = cell_areas(grid)
-    relative = density / float((cell_means(density) * area).sum() / area.sum())
+    area, relative = nodes.areas, density / mean_of(nodes, density)
     with np.errstate(over="ignore", under="ignore"):
         weight = np.asarray(relative**power / area.sum() ** degree)
     if 0 < weight.min() <= weight.max() <= LARGEST:

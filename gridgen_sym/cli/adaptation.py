@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,9 +18,8 @@ from .start import parameters_of, start_grid, start_options
 from .types import SizedCommand, number
 
 if TYPE_CHECKING:
-    from ..adaptation import AdaptResult
+    from ..adaptation import AdaptResult, LayoutAdaptResult
     from ..fields.outside import Outside
-    from ..grids import Grid
 
 
 @click.command(cls=SizedCommand)
@@ -68,7 +67,9 @@ def adapt(
     """
     from ..adaptation import Monitor
     from ..adaptation import adapt as run
+    from ..io import check_written
     from ..solvers.run.status import StopReason
+    from ..topology import MultiBlock
 
     if quiet:
         os.environ["GRIDGEN_SYM_QUIET"] = "1"
@@ -83,7 +84,9 @@ def adapt(
     given["parameters"] = parameters_of(given.get("functional", ADAPTATION["functional"].default), parameters)
     begun = start_grid(input, **boundary)
     drawn = under_of(under, plot, begun.projection)
-    start = cast("Grid", begun.grid)  # Several blocks are refused by `run`.
+    start = begun.grid
+    if output and isinstance(start, MultiBlock):
+        check_written(output, len(start))
     field = field_of(to, smooth=monitor != "values", outside=outside, projection=begun.projection)
     ocean = Ocean(output, begun.projection, begun.islands, outside, **deep)
     begin = Announcement(quiet, input, start)
@@ -98,14 +101,20 @@ def adapt(
         raise click.exceptions.Exit(130)
 
 
-def _report(result: AdaptResult, quiet: bool) -> None:
+def _report(result: AdaptResult | LayoutAdaptResult, quiet: bool) -> None:
     """Print what came out; a grid that has not settled is reported on standard error as well."""
+    from ..adaptation import AdaptResult
+
     if result.converged:
         report(quiet, str(result))
     else:
         click.secho(str(result), fg="yellow", err=True)
-    report(quiet, f"density times area, at the start: {result.before.weight}")
-    report(quiet, f"density times area, now:          {result.after.weight}")
+    if isinstance(result, AdaptResult):
+        report(quiet, f"density times area, at the start: {result.before.weight}")
+        report(quiet, f"density times area, now:          {result.after.weight}")
+    else:
+        first, last = result.history[0].spread, result.history[-1].spread
+        report(quiet, f"density times area, variation at the start: {first:.3f}, now: {last:.3f}")
     report(quiet, result.quality.summary())
-    if result.change.before.valid:
+    if isinstance(result, AdaptResult) and result.change.before.valid:
         report(quiet, result.change.summary())

@@ -63,3 +63,13 @@ class Copies:
     def node(self) -> Indices:
         """The number of the node that each entry is a copy of."""
         return np.repeat(np.arange(len(self.starts)), self.counts)
+
+
+def first_copies(copies: Copies, shapes: Sequence[tuple[int, int]]) -> list[Indices]:
+    """Return for each block the number (ni, nj) of the first copy of every node, among the nodes of all blocks."""
+    offsets = np.cumsum([0, *(ni * nj for ni, nj in shapes)])
+    flat = np.arange(offsets[-1], dtype=np.intp)
+    widths = np.array([nj for _, nj in shapes])
+    place = offsets[copies.block] + copies.i * widths[copies.block] + copies.j
+    flat[place] = np.repeat(place[copies.starts], copies.counts)
+    return [flat[a:b].reshape(shape) for a, b, shape in zip(offsets[:-1], offsets[1:], shapes, strict=True)]

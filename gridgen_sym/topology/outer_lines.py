@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from .connection import SidePart
-from .copies import Copies, Indices
+from .copies import Indices, first_copies
 from .multiblock import MultiBlock
 
 #: An edge of the outer boundary: block, side, and the number of its first node along the side.
@@ -69,7 +69,7 @@ def outer_lines(layout: MultiBlock, groups: Mapping[Edge, int]) -> list[OuterLin
         layout: the blocks.
         groups: the edges, each with the number of its group; only edges of one group are in one line.
     """
-    numbers = _first_copies(layout.copies, [grid.shape for grid in layout.blocks])
+    numbers = first_copies(layout.copies, [grid.shape for grid in layout.blocks])
     walked = [_walked(edge, layout, numbers) for edge in outer_edges(layout)]
     leaving: dict[int, list[_Walked]] = {}
     coming: dict[int, list[_Walked]] = {}
@@ -104,16 +104,6 @@ def outer_lines(layout: MultiBlock, groups: Mapping[Edge, int]) -> list[OuterLin
             places[:, -1] = places[:, 0]
         lines.append(OuterLine(groups[one.edge], tuple(each.edge for each in line), places, closed=at is one))
     return lines
-
-
-def _first_copies(copies: Copies, shapes: Sequence[tuple[int, int]]) -> list[Indices]:
-    """Return for each block the number (ni, nj) of the first copy of every node, among the nodes of all blocks."""
-    offsets = np.cumsum([0, *(ni * nj for ni, nj in shapes)])
-    flat = np.arange(offsets[-1], dtype=np.intp)
-    widths = np.array([nj for _, nj in shapes])
-    place = offsets[copies.block] + copies.i * widths[copies.block] + copies.j
-    flat[place] = np.repeat(place[copies.starts], copies.counts)
-    return [flat[a:b].reshape(shape) for a, b, shape in zip(offsets[:-1], offsets[1:], shapes, strict=True)]
 
 
 def _walked(edge: Edge, layout: MultiBlock, numbers: Sequence[Indices]) -> _Walked:

@@ -28,7 +28,7 @@ def test_a_folded_start_is_untangled_as_the_user_wants(monkeypatch):
         given.update(options)
         return untangle(grid, **options)
 
-    monkeypatch.setattr(import_module("gridgen_sym.adaptation.adapt"), "untangle", recorded)
+    monkeypatch.setattr(import_module("gridgen_sym.adaptation.arguments"), "untangle", recorded)
     wanted = {"fixed": np.eye(9, dtype=bool), "backend": "numpy"}
     gg.adapt(folded_square(9), ring, max_iterations=1, time_limit=1e9, **wanted)
     left = given.pop("time_limit")

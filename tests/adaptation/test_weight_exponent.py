@@ -7,6 +7,7 @@ import pytest
 from support_solvers import farthest
 
 import gridgen_sym as gg
+from gridgen_sym.adaptation.nodes import BlockNodes
 from gridgen_sym.adaptation.weight_exponent import weight_exponent_of, weight_values
 
 from .conftest import SHARP, interpolation_error, ring, square
@@ -32,7 +33,9 @@ def test_weights_of_known_exponents_and_of_ones_own():
         ("length", None, density / 4 / area),
         ("mine", 0.5, np.sqrt(density / 4)),
     ):
-        np.testing.assert_allclose(weight_values(density, grid, weight_exponent_of(name, power)), expected, rtol=1e-12)
+        np.testing.assert_allclose(
+            weight_values(density, BlockNodes(grid), weight_exponent_of(name, power)), expected, rtol=1e-12
+        )
 
 
 def test_a_functional_of_ones_own_needs_its_exponent():
