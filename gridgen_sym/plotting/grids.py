@@ -73,7 +73,7 @@ def plot_grid(
     if ax is None:
         ax, panel = _axes(grid, wall is not None)
     if under is not None:
-        draw_under(ax, _blocks(grid), under)
+        draw_under(ax, _blocks(grid), under, "right" if panel is None else "left")
     draw_grid(ax, grid, title)
     if wall is not None and panel is not None:
         draw_wall_panel(panel, ax, wall)

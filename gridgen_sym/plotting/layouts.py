@@ -71,7 +71,7 @@ def write_names(ax: Axes, layout: MultiBlock) -> None:
     box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "#c9d0d6", "linewidth": 0.6}
     texts = []
     for name, grid in zip(layout.names, layout.blocks, strict=True):
-        x, y = grid.planes[:, *middle_node(grid)]
+        x, y = middle(grid)
         texts.append(ax.text(x, y, name, ha="center", va="center", color=_EDGE, bbox=box, zorder=10, clip_on=True))
     ax.figure.figure.draw_without_rendering()
     widths = [float(np.ptp(ax.transData.transform(grid.planes.reshape(2, -1).T)[:, 0])) for grid in layout.blocks]
@@ -83,12 +83,18 @@ def write_names(ax: Axes, layout: MultiBlock) -> None:
             break
 
 
-def middle_node(grid: Grid) -> tuple[int, int]:
-    """Return the node whose two lines halve the area of a block: its middle also where lines are clustered."""
+def middle(grid: Grid) -> tuple[float, float]:
+    """Return the point whose two lines halve the area of a block: its middle also where lines are clustered."""
     areas = np.abs(corner_jacobians(grid.x, grid.y)).sum(axis=0)
-    along = (np.cumsum(areas.sum(axis=1 - axis)) for axis in range(2))
-    i, j = (int(np.searchsorted(one, one[-1] / 2)) for one in along)
-    return i + 1, j + 1
+    planes = grid.planes
+    for axis in range(2):
+        sums = np.concatenate([[0.0], np.cumsum(areas.sum(axis=1 - axis))])
+        at = float(np.interp(sums[-1] / 2, sums, np.arange(len(sums)))) if sums[-1] > 0 else (len(sums) - 1) / 2
+        before = min(int(at), len(sums) - 2)
+        first, second = planes.take(before, axis=1), planes.take(before + 1, axis=1)
+        planes = np.asarray(first + (at - before) * (second - first))
+    x, y = planes.tolist()
+    return x, y
 
 
 def _overlap(texts: list[Text]) -> bool:

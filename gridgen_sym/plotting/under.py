@@ -28,8 +28,8 @@ def field_label(field: ScalarField) -> str:
     return field.source if isinstance(field.source, str) else field.name.removeprefix("the ")
 
 
-def draw_under(ax: Axes, blocks: Sequence[Grid], under: ScalarField | Source) -> None:
-    """Draw a field on axes that show grids, with a bar that explains its colors.
+def draw_under(ax: Axes, blocks: Sequence[Grid], under: ScalarField | Source, bar_at: str = "right") -> None:
+    """Draw a field on axes that show grids, with a bar beside them that explains its colors.
 
     A function of position is drawn in the whole picture, where it has values; numbers of one grid are drawn in it.
 
@@ -55,7 +55,7 @@ def draw_under(ax: Axes, blocks: Sequence[Grid], under: ScalarField | Source) ->
     else:
         box = (x[0, 0], x[-1, 0], y[0, 0], y[0, -1])
         image = ax.imshow(values.T, origin="lower", extent=box, interpolation="bilinear", **look)
-    bar = ax.figure.colorbar(image, ax=ax, shrink=0.8, aspect=30, pad=0.02)
+    bar = ax.figure.colorbar(image, ax=ax, location=bar_at, shrink=0.8, aspect=30, pad=0.02)
     bar.ax.tick_params(labelsize=7, color="#8a949e", labelcolor="#56616b")
     bar.outline.set_edgecolor("#c9d0d6")
     if field_label(field) != _UNNAMED:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..grids.grid import Grid, corner_jacobians, folded_corners
 from ..topology.multiblock import MultiBlock
-from .layouts import boundary_style, has_names, middle_node
+from .layouts import boundary_style, has_names, middle
 
 #: Of zlib: more takes twice the time for 3 % of the size.
 _LEVEL = 4
@@ -33,11 +33,15 @@ def view_data(
     nodes = sum(block.planes[0].size for block in blocks)
     step = 1 if most is None else max(1, int(np.ceil(np.sqrt(nodes / most))))
     (label, values) = next(iter(field.items())) if field else (None, [None] * len(blocks))
+    named = isinstance(grid, MultiBlock) and has_names(grid)
     shown = [_block(block, name, step, plane) for block, name, plane in zip(blocks, names, values, strict=True)]
+    if named:
+        for block, one in zip(blocks, shown, strict=True):
+            one["middle"] = middle(block)
     boundaries = grid.boundaries if isinstance(grid, MultiBlock) and step == 1 else {}
     styles = (boundary_style(number) for number in range(len(boundaries)))
     return {
-        "named": isinstance(grid, MultiBlock) and has_names(grid),
+        "named": named,
         "field": label,
         "blocks": shown,
         "boundaries": [
@@ -56,7 +60,6 @@ def _block(grid: Grid, name: str, step: int, values: Array | None) -> dict[str, 
     """Return a block with every `step`-th of its nodes, and the last ones."""
     kept = [np.unique(np.append(np.arange(0, count, step), count - 1)) for count in grid.shape]
     planes = grid.planes[:, kept[0]][:, :, kept[1]]
-    i, j = middle_node(grid)
     return {
         "name": name,
         "shape": planes.shape[1:],
@@ -65,7 +68,6 @@ def _block(grid: Grid, name: str, step: int, values: Array | None) -> dict[str, 
         "nodes": packed(planes),
         "field": None if values is None else packed(values[kept[0]][:, kept[1]]),
         "folded": None if step == 1 else _folded(grid, kept),
-        "middle": grid.planes[:, i, j].tolist(),
     }
 
 

@@ -21,6 +21,7 @@ _CLUSTERED = (
 )
 _ALONG, _OFF = 4, 10  # The panel shows so many cells to both sides of a node, and at most so many off the wall.
 _FLAT = 3.0  # It is so many times as wide as high: higher, the lines off a curved wall would meet.
+_SEEN = 80.0  # It is at most so many times as high as a first cell, which can be seen then.
 _COLOR = "#0072b2"
 
 
@@ -95,7 +96,7 @@ def _unrolled(_: float, name: str, lines: Array, near: Mask) -> ThinWall:
     wall = lines[:, first : last + 1, 0]
     at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(wall, axis=1)))])
     heights = np.cumsum(np.hypot(*np.diff(lines[:, middle], axis=1)))
-    layers = int(np.clip(np.searchsorted(heights, at[-1] / _FLAT), 2, _OFF))
+    layers = int(np.clip(np.searchsorted(heights, min(at[-1] / _FLAT, _SEEN * heights[0])), 2, _OFF))
     nodes = lines[:, first : last + 1, : layers + 1]
     tangent = np.gradient(wall, axis=1)
     tangent /= np.maximum(np.hypot(*tangent), np.finfo(float).tiny)
@@ -122,7 +123,8 @@ def draw_wall_panel(panel: Axes, whole: Axes, wall: ThinWall) -> None:
     panel.set_box_aspect(1.0)
     wide, high = np.ptp(wall.lines[0]), np.ptp(wall.lines[1])
     panel.set_title(
-        f"at {wall.name}: first cells {wall.height:.3g} high,\ndrawn {wide / high:.3g} times as high", fontsize=8
+        f"at {wall.name}: first cells {wall.height:.3g} high,\ndrawn {float(f'{wide / high:.3g}'):g} times as high",
+        fontsize=8,
     )
     # What is written off the wall stands at the right, away from the line to the whole.
     panel.yaxis.tick_right()
