@@ -20,6 +20,8 @@ from .memory import BlockMemory
 _LEAST, _FEWEST_NODES = 1, 100
 #: A direction whose couplings are weaker than this part of the other's is not halved.
 _WEAK = 0.25
+#: Numbers of a node's stencil: a 2x2 block with itself and with each of its eight neighbors.
+_STENCIL = 36
 #: Of a large block so many rows are a sample of all.
 _ROWS = 64
 
@@ -29,7 +31,7 @@ class _Shared(ctypes.Structure):
 
     _fields_ = (
         ("count", ctypes.c_int64),
-        *((name, ctypes.c_void_p) for name in ("starts", "block", "i", "j", "turn", "inverse")),
+        *((name, ctypes.c_void_p) for name in ("starts", "block", "i", "j", "turn", "inverse", "stencil")),
     )
 
 
@@ -39,7 +41,7 @@ class _Crossing(ctypes.Structure):
     _fields_ = (
         ("count", ctypes.c_int64),
         ("most", ctypes.c_int64),
-        *((name, ctypes.c_void_p) for name in ("node", "inverse", "line", "along")),
+        *((name, ctypes.c_void_p) for name in ("node", "inverse", "line", "along", "blocks")),
     )
 
 
@@ -98,11 +100,18 @@ class BlockLevel:
         numbers += [part[entries].astype(np.int64) for part in (copies.block, copies.i, copies.j)]
         turn = np.ascontiguousarray(copies.turn[:, entries].T)
         inverse = np.zeros((len(nodes), 3), dtype=np.float32)
-        arrays: list[npt.NDArray[Any]] = [*numbers, turn, inverse]
+        stencil = np.zeros((len(entries), _STENCIL), dtype=np.float32)
+        arrays: list[npt.NDArray[Any]] = [*numbers, turn, inverse, stencil]
         self._shared = _Shared(len(nodes), *(array.ctypes.data for array in arrays))
         node, line = np.zeros(len(nodes), dtype=np.int64), np.zeros(len(entries), dtype=np.int64)
         self._along, of_lines = np.zeros((0, 4), dtype=np.float32), np.zeros_like(inverse)
-        crossing: list[npt.NDArray[Any]] = [node, of_lines, line, self._along]
+        crossing: list[npt.NDArray[Any]] = [
+            node,
+            of_lines,
+            line,
+            self._along,
+            np.zeros(len(self.fixed), dtype=np.uint8),
+        ]
         self.crossing = _Crossing(0, 0, *(array.ctypes.data for array in crossing))
         self._alive = [*arrays, *crossing]
 

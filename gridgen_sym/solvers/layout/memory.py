@@ -44,8 +44,9 @@ class BlockMemory:
         self.size = _VECTOR * int(ends[-1])
         self.begin, self.begin_of_operators = _VECTOR * nodes, _OPERATOR * nodes
         self.row_begin = np.concatenate(([0], np.cumsum(ni)[:-1])).astype(np.int64)
+        # One row more: what is multiplied by the margin's zeros is read from there.
         self.operator, pivots_i, pivots_j, self.right, self.solution, work = (
-            np.zeros(count * int(ends[-1]), dtype=np.float32)
+            np.zeros(count * int(ends[-1] + self.strides[-1]), dtype=np.float32)
             for count in (_OPERATOR, _PIVOT, _PIVOT, _VECTOR, _VECTOR, _VECTOR)
         )
         masks, begin_of_masks = _padded(fixed)

@@ -164,7 +164,7 @@ def optimize_layout(
             if method == "local":
                 visit = LayoutSweeps(problem).visit
                 return sweep_until_converged(problem, run.coordinates, report, visit=visit, **controls)
-            return minimize(problem, run.coordinates, report, **controls)
+            return minimize(problem, run.coordinates, report, reference=run.reference, **controls)
 
         def solve() -> Outcome:
             if asked is not None and limit:

@@ -39,6 +39,8 @@ class LayoutRun:
         coordinates: of all blocks, as `Exchange` joins them.
         report: receives every step.
         untangled_by: the name of what made a folded start valid; empty otherwise.
+        reference: norm of the gradient at the start that was given, from which it must fall; None where that start was
+            folded.
     """
 
     layout: MultiBlock
@@ -46,6 +48,7 @@ class LayoutRun:
     coordinates: Array
     report: Progress
     untangled_by: str = ""
+    reference: float | None = None
 
     @property
     def present(self) -> MultiBlock:
@@ -92,7 +95,9 @@ class LayoutRun:
         problem.refresh(start)
         energy, smallest = problem.energy(start)
         problem.refresh(self.coordinates)
-        before, least = problem.energy(self.coordinates)
+        before, least, gradient = problem.energy_gradient(self.coordinates)
+        if least > 0 or not problem.kernels.barrier:
+            self.reference = problem.norm(gradient)
         if folded or not min(smallest, least) > 0:
             better = problem.folds(start) < problem.folds(self.coordinates)
         else:

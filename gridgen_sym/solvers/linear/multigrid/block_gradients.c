@@ -112,7 +112,7 @@ EXPORT double multiply_blocks(const BlockLevel *level, const BlockVectors *v, do
     ROWS(block, team, i) {
       const int64_t at = v->begin[b] + 2 * i * S;
       v->sums[v->row_begin[b] + i] = multiply_row(block->operator+ i * PLANES * S, v->p + at, v->p + at, v->q + at,
-                                                  block->begin_j, block->end_j, S);
+                                                  0, S, S);
     }
   })
   double product = 0.0;

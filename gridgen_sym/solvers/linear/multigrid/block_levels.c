@@ -48,8 +48,8 @@ EXPORT int64_t factor_blocks(const BlockLevel *level) {
     PRAGMA(omp atomic)
     unusable += found;
   })
-  unusable += invert_shared(level->levels, level->shared);
-  return unusable ? unusable : find_crossing(level->levels, level->shared, level->crossing) < 0 ? -1 : 0;
+  unusable += factor_shared(level->levels, level->shared);
+  return unusable ? unusable : find_crossing(level->levels, level->blocks, level->shared, level->crossing) < 0 ? -1 : 0;
 }
 
 /* The mean size of the couplings along xi and along eta of each block, of some rows. */
@@ -70,14 +70,10 @@ EXPORT void coupling_sizes(const BlockLevel *level, int64_t most, double *sizes)
   }
 }
 
-static void compute_residuals(const BlockLevel *level) {
-  EACH_BLOCK(level->blocks, level->threads, compute_residual(level->levels + b, team);)
-}
-
 /* Correct shared nodes together with the lines that cross there, where there are such. */
 static void correct_lines(const BlockLevel *level) {
   if (!level->crossing->count) return;
-  compute_residuals(level);
+  EACH_BLOCK(level->blocks, level->threads, if (level->crossing->blocks[b]) compute_residual(level->levels + b, team);)
   correct_crossing(level->levels, level->shared, level->crossing);
 }
 
@@ -88,8 +84,10 @@ EXPORT void cycle_down(const BlockLevel *levels, int64_t count) {
     EACH_BLOCK(level->blocks, level->threads, smooth(level->relaxed + b, team, 1);)
     relax_shared(level->levels, level->shared, 0);
     correct_lines(level);
-    compute_residuals(level);
-    EACH_BLOCK(level->blocks, level->threads, restrict_residual(level->levels + b, coarse->levels + b, team);)
+    EACH_BLOCK(level->blocks, level->threads, {
+      compute_residual(level->levels + b, team);
+      restrict_residual(level->levels + b, coarse->levels + b, team);
+    })
   }
 }
 

@@ -38,8 +38,7 @@ static double curvature_along(const Level *level, Team team, Vectors v, double b
   wait_for(team);
   ROWS(level, team, i) {
     const double *p = v.p + i * width;
-    v.curvatures[i] = multiply_row(level->operator+ i * PLANES * S, p, p, v.q + i * width, level->begin_j,
-                                   level->end_j, S);
+    v.curvatures[i] = multiply_row(level->operator+ i * PLANES * S, p, p, v.q + i * width, 0, S, S);
   }
   return total(level, team, v.curvatures);
 }

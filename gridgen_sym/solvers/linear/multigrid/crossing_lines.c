@@ -12,6 +12,7 @@ typedef struct {
   float *inverse;     /* of phi.A phi: xx, xy, yy */
   int64_t *line;      /* for each entry of the shared nodes: where its line begins in `along`, or -1 */
   float *along;       /* phi at the nodes of all lines: xx, xy, yx, yy each */
+  uint8_t *blocks;    /* whether a block has such lines */
 } Crossing;
 
 /* Where the inner nodes of the line into a block lie, from a node inside a side; the number is 0 at a corner. */
@@ -82,7 +83,7 @@ static Block eliminate_inward(const Level *level, int64_t i, int64_t j, Inward i
 }
 
 /* Part of a shared node's own block above which the couplings across the connection are strong. */
-#define STRONG 0.7
+#define STRONG 0.8
 
 /* Whether a node lies inside sides only, and couples strongly across them. */
 static int crosses(const Level *levels, const Shared *nodes, int64_t n) {
@@ -100,8 +101,9 @@ static int crosses(const Level *levels, const Shared *nodes, int64_t n) {
 
 /* Find the nodes, and their vectors phi; there is room for `most` nodes on lines. Returns how many there are, or -1 if
  * there is not enough room. */
-static int64_t find_crossing(const Level *levels, const Shared *nodes, Crossing *crossing) {
+static int64_t find_crossing(const Level *levels, int64_t blocks, const Shared *nodes, Crossing *crossing) {
   int64_t found = 0, used = 0;
+  memset(crossing->blocks, 0, (size_t)blocks);
   for (int64_t n = 0; n < nodes->count; ++n) {
     for (int64_t e = nodes->starts[n]; e < nodes->starts[n + 1]; ++e) crossing->line[e] = -1;
     if (!crosses(levels, nodes, n)) continue;
@@ -111,6 +113,7 @@ static int64_t find_crossing(const Level *levels, const Shared *nodes, Crossing 
       const Inward in = inward(level, nodes->i[e], nodes->j[e]);
       if (used + in.count > crossing->most) return -1;
       crossing->line[e] = 4 * used;
+      crossing->blocks[nodes->block[e]] = 1;
       add_turned(sum, eliminate_inward(level, nodes->i[e], nodes->j[e], in, crossing->along + 4 * used),
                  nodes->turn[2 * e], nodes->turn[2 * e + 1]);
       used += in.count;

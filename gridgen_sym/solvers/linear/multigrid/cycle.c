@@ -1,6 +1,6 @@
 /* The way between a level and the next coarser one: residual, restriction, correction. */
 
-/* The residual of a row, in its place of `work`. */
+/* The residual of a row, in its place of `work`; of whole rows, the last number of the margin is not zero. */
 APART void residual_row(const float *restrict a, const float *restrict right, const float *restrict x,
                         float *restrict residual, int64_t begin, int64_t end, int64_t S) {
   UNUSED const int64_t R = PLANES * S;
@@ -18,8 +18,7 @@ APART void residual_row(const float *restrict a, const float *restrict right, co
 static void compute_residual(const Level *level, Team team) {
   const int64_t S = level->stride, V = 2 * S;
   ROWS(level, team, i)
-    residual_row(level->operator+ i * PLANES * S, level->right + i * V, level->solution + i * V, level->work + i * V,
-                 level->begin_j, level->end_j, S);
+    residual_row(level->operator+ i * PLANES * S, level->right + i * V, level->solution + i * V, level->work + i * V, 0, S, S);
   wait_for(team);
 }
 
@@ -41,10 +40,10 @@ APART void gather_columns(const float *restrict from, float *restrict to, int64_
     return;
   }
   const float last = 0.5f * (float)node_between(0, nj - 2, nj, fine_nj);
-  to[0] = from[0] + 0.5f * from[1];
+  to[0] = from[0] + (nj > 2 ? 0.5f : last) * from[1];
 #pragma omp simd
   for (int64_t j = 1; j < nj - 2; ++j) to[j] = from[2 * j] + 0.5f * (from[2 * j - 1] + from[2 * j + 1]);
-  to[nj - 2] = from[2 * (nj - 2)] + 0.5f * from[2 * nj - 5] + last * from[2 * nj - 3];
+  if (nj > 2) to[nj - 2] = from[2 * (nj - 2)] + 0.5f * from[2 * nj - 5] + last * from[2 * nj - 3];
   to[nj - 1] = from[fine_nj - 1] + last * from[fine_nj - 2];
 }
 

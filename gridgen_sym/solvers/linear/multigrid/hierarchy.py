@@ -69,7 +69,8 @@ class LevelArrays:
         stride = stride_of(nj + 1)
         rows = ni + sum(MARGIN)
         counts = layout.planes, layout.pivots, layout.pivots, 2, 2, 2
-        arrays = (np.zeros((rows, count, stride), dtype=np.float32)[MARGIN[0] : -MARGIN[1]] for count in counts)
+        # One row more: what is multiplied by the margin's zeros is read from there.
+        arrays = (np.zeros((rows + 1, count, stride), dtype=np.float32)[MARGIN[0] : -MARGIN[1] - 1] for count in counts)
         return cls(np.pad(fixed, 1, constant_values=1)[1:-1, 1:-1], *arrays)
 
     def level(self) -> Level:

@@ -63,7 +63,7 @@ static void relax_along_j(const Level *level, Team team, int parity, int from_ze
     for (int64_t k = line; k < line + rows; ++k) {
       const int64_t i = first + 2 * k;
       line_right(level->operator+ i * PLANES * S, level->right + 2 * i * S, level->solution + 2 * i * S,
-                 level->work + 2 * i * S, level->begin_j, level->end_j, S, from_zero);
+                 level->work + 2 * i * S, 0, S, S, from_zero);
     }
     if (rows == 4)
       solve_rows(level, first + 2 * line, 4);
@@ -117,8 +117,9 @@ static void relax_along_i(const Level *level, Team team, int parity) {
   for (int64_t i = level->begin_i; i < level->end_i; ++i) {
     float *g = level->work + i * V;
     const float *before = i > level->begin_i ? g - V : level->solution + (i - 1) * V;
+    /* Whole rows take fewer instructions; what stands in other columns, and in the margin, is not used. */
     eliminate_row(level->operator+ i * PLANES * S, level->pivots_i + i * PIVOTS * S, level->right + i * V,
-                  level->solution + i * V, before, g, begin, end, S);
+                  level->solution + i * V, before, g, team.size == 1 ? 0 : begin, team.size == 1 ? S : end, S);
   }
   for (int64_t i = level->end_i - 1; i >= level->begin_i; --i) {
     float *x = level->solution + i * V;

@@ -1,6 +1,7 @@
 /* Products of vectors in double precision with the finest operator. */
 
-/* result = A vector for a row, from column `begin` to `end`; returns the product of `with` and the result. */
+/* result = A vector for a row, from column `begin` to `end`; returns the product of `with` and the result. To a whole row,
+ * which takes fewer instructions, the last number would come from the next entry's first: it belongs to the margin. */
 #define MULTIPLY_ROW(name, REAL)                                                                                    \
   APART double name(const float *restrict a, const REAL *restrict x, const double *restrict with,                   \
                     double *restrict result, int64_t begin, int64_t end, int64_t S) {                               \
@@ -17,5 +18,6 @@
       result[j] = sx, result[S + j] = sy;                                                                           \
       product += with[j] * sx + with[S + j] * sy;                                                                   \
     }                                                                                                               \
+    result[S - 1] = result[2 * S - 1] = 0.0;                                                                        \
     return product;                                                                                                 \
   }
