@@ -10,6 +10,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from ..arrays import Array
 from ..boundary.sides import Sides
@@ -139,13 +140,24 @@ def corrected(
         if wall is None or wanted is None:
             found.append(None)
             continue
-        index, goal = wanted.along(wanted.first, len(height), "first")
+        index, factor = height_factors(wanted, height)
         # The nodes of the sides that meet the wall do not move.
-        factor = np.where((index > 0) & (index < len(height) - 1), goal / height[index], 1.0)
+        factor[(index == 0) | (index == len(height) - 1)] = 1.0
         worst = max(worst, float(np.abs(factor - 1).max()))
-        now = wall.along(wall.first, len(height), "first")[1]
-        found.append(replace(wall, first=now * np.clip(factor, 1 / _LARGEST_CORRECTION, _LARGEST_CORRECTION)))
+        found.append(scaled_heights(wall, factor, len(height)))
     return Sides(*found), worst
+
+
+def height_factors(asked: Wall, heights: Array) -> tuple[npt.NDArray[np.intp], Array]:
+    """Return the nodes of a wall along its side, and by what factors its first heights there should be larger."""
+    index, goal = asked.along(asked.first, len(heights), "first")
+    return index, goal / heights[index]
+
+
+def scaled_heights(wall: Wall, factor: Array, count: int) -> Wall:
+    """Return a wall on a side of `count` nodes whose first heights are larger by factors, which are limited."""
+    now = wall.along(wall.first, count, "first")[1]
+    return replace(wall, first=now * np.clip(factor, 1 / _LARGEST_CORRECTION, _LARGEST_CORRECTION))
 
 
 def _lengths_of_law(coordinates: Array, fractions: Array) -> Array:

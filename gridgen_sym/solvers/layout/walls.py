@@ -18,16 +18,18 @@ from ...boundary.sides import Sides
 from ...boundary.wall import Wall, check_heights, walls_by_side
 from ...errors import GridgenError, quoted
 from ...fields.target import Target
-from ...fields.wall_cells import WallCells, corrected, own_cells, wall_cells
+from ...fields.wall_cells import WallCells, own_cells, wall_cells
 from ...topology import MultiBlock
 from ..multilevel.wall_continuation import WallContinuation
 from ..run.progress import Progress
 from ..run.status import Outcome
 from .problem import LayoutProblem
 from .run import LayoutRun
+from .wall_corrections import WallCorrections
+from .wall_lengths import agreed
 
 #: First heights are corrected so often at most, and not where they are wrong by no more than this part.
-_CORRECTIONS, _RIGHT = 3, 2e-3
+_CORRECTIONS, _RIGHT = 12, 3e-3
 #: Walls as they are given: for each block by name and side; of the sides of the only block; or by boundary's name.
 LayoutWalls = Mapping[str, Mapping[str, Wall]] | Mapping[str, Wall]
 
@@ -122,31 +124,15 @@ def wall_targets(layout: MultiBlock, walls: Mapping[str, Sides[Wall | None]]) ->
         layout: the start that was given.
         walls: of the blocks that have some.
     """
-    targets = {}
+    cells = []
     for name, grid in zip(layout.names, layout.blocks, strict=True):
         if name in walls:
-            cells = wall_cells(walls[name], grid.planes, grid.shape)
+            cells.append(wall_cells(walls[name], grid.planes, grid.shape))
         else:
             along_xi, along_eta, angle = own_cells(grid.planes)
-            cells = WallCells(along_xi, along_eta, np.full_like(angle, np.pi / 2), None, None)
-        targets[name] = Target.of_cells(cells)
-    return targets
-
-
-def corrected_walls(
-    walls: Mapping[str, Sides[Wall | None]],
-    asked: Mapping[str, Sides[Wall | None]],
-    found: Mapping[str, Array],
-) -> tuple[dict[str, Sides[Wall | None]], float]:
-    """Return walls whose first heights make up for what came out wrong, and by how much that is wrong at most.
-
-    Args:
-        walls: of the blocks that have some, for which the grid was made.
-        asked: what is wanted.
-        found: (2, ni, nj) of these blocks.
-    """
-    both = {name: corrected(walls[name], asked[name], found[name]) for name in walls}
-    return {name: one for name, (one, _) in both.items()}, max(wrong for _, wrong in both.values())
+            cells.append(WallCells(along_xi, along_eta, np.full_like(angle, np.pi / 2), None, None))
+    made = agreed(layout, walls, cells)
+    return {name: Target.of_cells(one) for name, one in zip(layout.names, made, strict=True)}
 
 
 def minimize_with_walls(
@@ -156,10 +142,10 @@ def minimize_with_walls(
     minimized: Callable[[], Outcome],
 ) -> Outcome:
     """Minimize for the targets of walls, and for others that make up for first heights that came out wrong."""
-    walls, least, outcome = dict(asked), np.inf, None
+    corrections, outcome = WallCorrections.of(asked), None
     for _ in range(1 + _CORRECTIONS):
         before, problem = run.coordinates.copy(), run.problem
-        run.problem = make(wall_targets(run.layout, walls))
+        run.problem = make(wall_targets(run.layout, corrections.walls))
         run.problem.measure_locally(run.coordinates)
         found = minimized()
         if outcome is not None and not found.converged:
@@ -167,9 +153,8 @@ def minimize_with_walls(
             break
         outcome = found
         places = dict(zip(run.layout.names, run.problem.exchange.views(run.coordinates), strict=True))
-        walls, wrong = corrected_walls(walls, asked, places)
-        if not found.converged or wrong < _RIGHT or wrong > 0.7 * least:
+        fixed = dict(zip(run.layout.names, run.problem.fixed, strict=True))
+        if not found.converged or corrections.correct(places, fixed) < _RIGHT:
             break
-        least = wrong
     assert outcome is not None
     return outcome
