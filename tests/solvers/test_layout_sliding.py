@@ -174,6 +174,22 @@ def test_nodes_that_slide_untangle_what_else_is_impossible(backend):
         np.testing.assert_allclose(np.hypot(x, y)[:, ::2], np.broadcast_to([1, 2], (9, 2)), atol=1e-12)
 
 
+def test_boundary_nodes_stay_where_that_is_enough_to_untangle():
+    start = gg.layout("pipe", across=4, outwards=4)
+    planes = [np.array(grid.planes) for grid in start.blocks]
+    planes[0][:, 2, 2] = 0.9
+    found = gg.untangle(start.moved(planes), slide="wall")
+    assert found.converged
+    for before, after, outer in zip(start.blocks, found.grid.blocks, start.outer, strict=True):
+        np.testing.assert_allclose(after.planes[:, outer != 0], before.planes[:, outer != 0], atol=1e-14)
+
+
+def test_a_valid_layout_is_returned_as_it_is():
+    start = gg.layout("annulus", around=12, outwards=4)
+    found = gg.untangle(start, slide={"outer": lambda t: 1.001 * arc(2, 2 * np.pi)(t)})
+    assert np.array_equal(found.grid["ring"].planes, start["ring"].planes)
+
+
 def test_nodes_keep_their_order_round_a_closed_curve():
     points = arc(1, 2 * np.pi)(np.linspace(0, 1, 25))
     curve = SlideCurve.round_points(points)

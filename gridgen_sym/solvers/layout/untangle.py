@@ -32,7 +32,18 @@ def untangle_blocks(
     parameters: Mapping[str, float] | None,
     report: Progress,
 ) -> bool:
-    """Leave the least folded grid that is found in `coordinates`; return whether it is valid."""
+    """Leave the least folded grid that is found in `coordinates`; return whether it is valid.
+
+    Nodes slide only where no valid grid is found while they stay.
+    """
+    slide = problem.slide
+    if slide is not None:
+        problem.slide = None
+        try:
+            if untangle_blocks(problem, functional, coordinates, parameters, report):
+                return True
+        finally:
+            problem.slide = slide
     best, folds = coordinates.copy(), problem.folds(coordinates)
     try:
         for fall in _FALLS:

@@ -24,7 +24,7 @@ from .merged import is_one_grid, merged_slide, of_all_blocks, sliding_sides
 from .nested import NestedLayouts
 from .problem import LayoutProblem
 from .result import LayoutResult
-from .run import REGULARIZED, begin_run
+from .run import REGULARIZED, LayoutRun, begin_run
 from .untangle import NO_PROGRESS, untangle_blocks
 
 
@@ -85,15 +85,21 @@ def untangle_layout(
             f"untangling needs a functional with a barrier at J = 0, such as winslow; {definition.name!r} has none"
         )
     with Progress(f"{definition.name}, untangle", callback, progress, Deadline(time_limit)) as report:
-        run = begin_run(grid, problem, report)
+        own = problem.exchange.join([block.planes for block in grid.blocks])
+        folded = not problem.energy(own)[1] > 0
+        run = begin_run(grid, problem, report) if folded else LayoutRun(grid, problem, own, report)
 
         def solve() -> Outcome:
-            folded = not problem.energy(run.coordinates)[1] > 0
             end = run.impossible() if folded else None
             if end is not None:
                 return end
             if folded and fixed is None:
-                run.take(NestedLayouts(make, definition, parameters, report).start(run.present, problem), folded=True)
+                nested, sliding = NestedLayouts(make, definition, parameters, report), problem.slide
+                problem.slide = None  # Boundary nodes stay where that is enough.
+                try:
+                    run.take(nested.start(run.present, problem), folded=True)
+                finally:
+                    problem.slide = sliding
             report.begin("untangle", (grid.node_count, 1))
             valid = problem.folds(run.coordinates).cells == 0 or untangle_blocks(
                 problem, definition, run.coordinates, parameters, report
