@@ -6,7 +6,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from itertools import islice, repeat
-from typing import BinaryIO
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,13 @@ _IS_BLANK[list(_BLANK)] = True
 _PLAIN = b"0123456789+-.eE" + _BLANK
 
 
+class Readable(Protocol):
+    """What is read piece by piece."""
+
+    def read(self, count: int = ..., /) -> bytes:
+        """Return the next bytes, at most so many."""
+
+
 class Numbers:
     """The numbers of a file, those that Fortran wrote once for several not yet written out.
 
@@ -45,13 +52,13 @@ class Numbers:
         repeated: whether some stand for several.
     """
 
-    def __init__(self, stream: BinaryIO, expected: str = EXPECTED, line: int = 0) -> None:
+    def __init__(self, stream: Readable, expected: str = EXPECTED, line: int | None = 0) -> None:
         """Read all numbers of a stream.
 
         Args:
             stream: the text.
             expected: what it should be, for messages.
-            line: how many lines stand before it in its file.
+            line: how many lines stand before it in its file; None where they cannot be counted.
 
         Raises:
             GridgenError: for bytes that are no text, words that are no numbers, and no numbers at all.
@@ -63,7 +70,8 @@ class Numbers:
             if self.head_text.count("\n") < _HEAD_LINES and len(self.head_text) < _LONGEST_HEAD:
                 self.head_text += piece.decode("ascii", errors="replace").replace(",", " ")
             self._pieces.append(_parsed(piece, offset, lines, expected))
-            offset, lines = offset + len(piece), lines + piece.count(b"\n")
+            offset += len(piece)
+            lines = None if lines is None else lines + piece.count(b"\n")
         self.repeated = any(repeats is not None for _, repeats in self._pieces)
         words = sum(len(values) for values, _ in self._pieces)
         # Python's whole numbers do not overflow.
@@ -110,7 +118,7 @@ class Numbers:
         return taken
 
 
-def _pieces(stream: BinaryIO, expected: str) -> Iterator[bytes]:
+def _pieces(stream: Readable, expected: str) -> Iterator[bytes]:
     """Yield the text in pieces that end between two words."""
     rest = b""
     while data := stream.read(_PIECE):
@@ -126,13 +134,13 @@ def _pieces(stream: BinaryIO, expected: str) -> Iterator[bytes]:
         yield rest
 
 
-def _parsed(piece: bytes, offset: int, lines: int, expected: str) -> tuple[Array, NDArray[np.int64] | None]:
+def _parsed(piece: bytes, offset: int, lines: int | None, expected: str) -> tuple[Array, NDArray[np.int64] | None]:
     """Return the numbers of a piece of the text, and how often each stands there; None for once each.
 
     Args:
         piece: the text.
         offset: how many bytes come before it.
-        lines: how many lines.
+        lines: how many lines; None where they cannot be counted.
         expected: what the text should be, for messages.
     """
     plain = piece.translate(_COMMAS)
@@ -176,8 +184,10 @@ def _parsed_word_by_word(text: str) -> tuple[Array, NDArray[np.int64] | None]:
         return np.array(words, dtype=np.float64), repeats
 
 
-def _line_of_fault(text: str, lines: int) -> str:
+def _line_of_fault(text: str, lines: int | None) -> str:
     """Return the line of the first word that is no number, for a message."""
+    if lines is None:
+        return ""
     for number, line in enumerate(text.split("\n"), start=1 + lines):
         for word in line.split():
             try:

@@ -69,7 +69,7 @@ def records_of(stream: BinaryIO) -> tuple[list[str], list[Zone]]:
     """
     names: list[str] = []
     zones: list[Zone] = []
-    found = list(_places(stream))
+    found = list(_places(stream)) or [(b"", 0, 0)]
     ends = [place for _, place, _ in found[1:]] + [stream.seek(0, 2)]
     for (kind, begin, line), end in zip(found, ends, strict=True):
         stream.seek(begin)
@@ -109,19 +109,3 @@ def _zone(number: int, head: bytes, begin: int, end: int, line: int) -> Zone:
 def _plain(value: str) -> str:
     """Return the value of an entry without quotation marks."""
     return re.sub(r"\\(.)", r"\1", value[1:-1]) if value.startswith('"') else value
-
-
-@dataclass(slots=True)
-class Window:
-    """A part of a file, read as if it were one."""
-
-    stream: BinaryIO
-    begin: int
-    end: int
-
-    def read(self, count: int) -> bytes:
-        """Return the next bytes."""
-        self.stream.seek(self.begin)
-        data = self.stream.read(min(count, self.end - self.begin))
-        self.begin += len(data)
-        return data

@@ -16,8 +16,10 @@ from ..archives import check_packing
 from ..arrays import Array
 from ..errors import GridgenError, quoted, shortened
 from ..parsing import whole_number_in
+from .plot3d_numbers import Numbers
+from .vtk_parts import DAMAGED
+from .windows import Window
 
-DAMAGED = "the file may be cut short or damaged: write it again"
 _TYPES = {"Float32": "f4", "Float64": "f8"}
 _ZLIB = "vtkZLibDataCompressor"
 
@@ -28,38 +30,50 @@ class DataArrays:
 
     Attributes:
         root: of the XML.
-        appended: the content of <AppendedData>.
+        appended: the content of <AppendedData>; the offset of an array counts from its beginning.
         count: how many numbers the extent allows; no more is decompressed.
     """
 
     root: ElementTree.Element
-    appended: bytes
+    appended: Window
     count: int
 
-    def values(self, array: ElementTree.Element) -> Array:
-        """Return the numbers of one <DataArray>, flat."""
+    def values(self, array: ElementTree.Element, content: Window) -> Array:
+        """Return the numbers of one <DataArray> with a content, flat."""
         kind, form = array.get("type", ""), array.get("format", "ascii")
         if kind not in _TYPES:
             raise GridgenError(f"its points have the type {quoted(kind)}; expected {' or '.join(_TYPES)}")
         try:
             if form == "ascii":
-                return _ascii(array.text or "")
-            content = self._content(array, form, self.count * int(_TYPES[kind][1:]))
-            return np.frombuffer(content, dtype=self._order() + _TYPES[kind]).astype(np.float64)
+                numbers = Numbers(content, DAMAGED, None)
+                if numbers.count != self.count:
+                    raise GridgenError(
+                        f"its points have {numbers.count} numbers, and its extent asks for {self.count}; {DAMAGED}"
+                    )
+                numbers.check_size()
+                return numbers.take(self.count)
+            data = self._content(array, content, form, self.count * int(_TYPES[kind][1:]))
+            return np.frombuffer(data, dtype=self._order() + _TYPES[kind]).astype(np.float64, copy=False)
         except (ValueError, IndexError, OverflowError, binascii.Error, zlib.error) as error:
             if isinstance(error, GridgenError):
                 raise
             raise GridgenError(f"its points cannot be decoded ({shortened(error)}); {DAMAGED}") from error
 
-    def _content(self, array: ElementTree.Element, form: str, size: int) -> bytes:
+    def _content(self, array: ElementTree.Element, content: Window, form: str, size: int) -> bytes:
         """Return the bytes of one array, of which `size` are expected, decoded and decompressed."""
         if form == "binary":
-            return self._unpack(b"".join((array.text or "").encode().split()), size, encoded=True)
+            return self._unpack(b"".join(content.read().split()), size, encoded=True)
         if form != "appended":
             raise GridgenError(f"its points have the format {quoted(form)}; expected ascii, binary or appended")
         section = self.root.find("AppendedData")
         encoded = section is not None and section.get("encoding") == "base64"
-        return self._unpack(self.appended[whole_number_in(array.get("offset", "0")) :], size, encoded=encoded)
+        offset = whole_number_in(array.get("offset", "0"))
+        if offset < 0:
+            raise ValueError(f"its offset is {offset}")
+        part = Window(self.appended.stream, self.appended.begin + offset, self.appended.end)
+        # No more is read than the array may have: what is plain has a length before it.
+        plain = not encoded and not self.root.get("compressor")
+        return self._unpack(part.read(size + 8 if plain else -1), size, encoded=encoded)
 
     def _unpack(self, stream: bytes, expected: int, *, encoded: bool) -> bytes:
         """Take off VTK's header of lengths, base64 and compression, for `expected` bytes."""
@@ -101,13 +115,6 @@ class DataArrays:
     def _order(self) -> str:
         """Return NumPy's sign for the file's byte order."""
         return ">" if self.root.get("byte_order") == "BigEndian" else "<"
-
-
-def _ascii(text: str) -> Array:
-    """Return the numbers of a text."""
-    if "_" in text:  # NumPy takes 1_0 for ten.
-        raise ValueError(f"{quoted(next(word for word in text.split() if '_' in word))} is not a number")
-    return np.array(text.split(), dtype=np.float64)
 
 
 def _decompressed(blocks: list[bytes], expected: int) -> bytes:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from support_files import LAYOUTS, turned
 
 import gridgen_sym as gg
 from gridgen_sym.boundary import domain
 from gridgen_sym.errors import GridgenError, MissingExtraError
-from gridgen_sym.grids import Grid
 from gridgen_sym.io import read
 from gridgen_sym.io.format import Blocks
 from gridgen_sym.io.formats import cgns
@@ -177,20 +173,6 @@ def test_a_link_into_another_file_is_not_followed(tmp_path):
 
     with pytest.raises(GridgenError, match="no nodes of the type Zone_t"):
         decoded(changed(change))
-
-
-@settings(max_examples=30)
-@given(place=st.floats(0, 1, exclude_max=True), cut=st.booleans(), byte=st.integers(0, 255))
-def test_a_damaged_file_is_a_grid_or_an_error(place, cut, byte):
-    pytest.importorskip("h5py")
-    data = bytearray(encoded(Blocks((GRID,))))
-    k = int(place * len(data))
-    if cut:
-        del data[k:]
-    else:
-        data[k] = byte
-    with contextlib.suppress(GridgenError):  # Any other error, or warning, fails the test.
-        assert all(isinstance(grid, Grid) for grid in decoded(bytes(data)).grids)
 
 
 def test_data_packed_too_tightly_for_a_grid_are_refused():

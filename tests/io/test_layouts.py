@@ -314,3 +314,27 @@ def test_faults_of_multi_block_files_of_vtk_are_told(tmp_path, old, new, told):
 def test_what_is_no_grid_cannot_be_written(tmp_path):
     with pytest.raises(gg.GridgenError, match="expected a Grid, came ndarray"):
         gg.write(SQUARE.xy, tmp_path / "x.xyz")
+
+
+@pytest.mark.extras
+@pytest.mark.parametrize("form", ["", "binary"])
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_vtk_reads_several_blocks(tmp_path, name, form):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLMultiBlockDataReader
+
+    layout = LAYOUTS[name]()
+    gg.write(layout, tmp_path / "file.vtm", form=form)
+    reader = vtkXMLMultiBlockDataReader()
+    reader.SetFileName(str(tmp_path / "file.vtm"))
+    reader.Update()
+    found = reader.GetOutput()
+    assert found.GetNumberOfBlocks() == len(layout)
+    for number, (title, grid) in enumerate(zip(layout.names, layout.blocks, strict=True)):
+        assert found.GetMetaData(number).Get(found.NAME()) == title
+        block = found.GetBlock(number)
+        assert block.GetExtent() == (0, grid.shape[0] - 1, 0, grid.shape[1] - 1, 0, 0)
+        points = vtk_to_numpy(block.GetPoints().GetData())
+        assert np.array_equal(points[:, 0], grid.x.T.ravel())
+        assert np.array_equal(points[:, 1], grid.y.T.ravel())
+        assert not points[:, 2].any()

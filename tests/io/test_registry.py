@@ -17,13 +17,11 @@ from gridgen_sym.io.format import Format
 FORMATS = known_formats()
 ROOT = Path(__file__).parents[2]
 #: A format whose package is not one of the tests' own is tried with the extras.
-each_format = pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.extras if form.extra and form.extra[0] != "io" else ())
-        for name, form in FORMATS.items()
-    ],
-)
+PARAMETERS = {
+    name: pytest.param(name, marks=pytest.mark.extras if form.extra and form.extra[0] != "io" else ())
+    for name, form in FORMATS.items()
+}
+each_format = pytest.mark.parametrize("name", PARAMETERS.values())
 SWAN = gg.domain("swan", 5, 4)
 TWO = gg.MultiBlock({"a": SWAN, "b": gg.domain("square", 4, 4)}, [], boundaries={"wall": [("a", "bottom", (1, 3))]})
 
@@ -44,7 +42,7 @@ def test_every_file_in_the_folder_is_a_format():
     assert {".vts", ".xyz", ".p2dfmt", ".csv", ".npz", ".cgns", ".vtm"} <= {*known_suffixes()}
 
 
-@pytest.mark.parametrize("name", [name for name, form in FORMATS.items() if form.encode and form.decode])
+@pytest.mark.parametrize("name", [PARAMETERS[name] for name, form in FORMATS.items() if form.encode and form.decode])
 def test_what_is_written_is_read(tmp_path, name):
     form = FORMATS[name]
     for suffix in form.suffixes:

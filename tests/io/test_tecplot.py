@@ -49,7 +49,7 @@ def test_a_text_of_another_writer(capsys):
     assert found.names == ('the "first" one', "second")
     assert found.grids[0] == SWAN
     assert np.array_equal(found.grids[1].x, SWAN.x + 2)
-    assert "zone 2, 'surface', is a line: it is left out" in capsys.readouterr().err
+    assert "zones that are lines are left out: 'surface'" in capsys.readouterr().err
 
 
 def test_the_text_that_is_written():

@@ -16,7 +16,8 @@ from ...messages import report
 from ..format import Blocks, Format
 from ..plot3d_numbers import Numbers
 from ..plot3d_planes import Plane, plane_of
-from ..tecplot_records import EXPECTED, Window, Zone, records_of
+from ..tecplot_records import EXPECTED, Zone, records_of
+from ..windows import Window
 
 #: Numbers of a piece that is written.
 _PIECE = 1 << 16
@@ -56,10 +57,11 @@ def decode(stream: BinaryIO) -> Blocks:
     if -1 in places[:2]:
         raise GridgenError(f"its variables are {', '.join(map(quoted, variables))}; {EXPECTED}")
     planes: dict[str, Plane] = {}
+    lines: list[str] = []
     for zone in zones:
         sizes = zone.sizes
         if sizes.count(1) > 1:
-            report(f"zone {zone.number}, {zone.name!r}, is a line: it is left out")
+            lines.append(zone.name)
             continue
         values = _values(stream, zone, len(variables), [place for place in places if place >= 0])
         try:
@@ -69,6 +71,8 @@ def decode(stream: BinaryIO) -> Blocks:
         planes[zone.name if zone.name not in planes else f"{zone.name} {zone.number}"] = plane
     if not planes:
         raise GridgenError(f"all of its zones are lines; {EXPECTED}")
+    if lines:
+        report(f"zones that are lines are left out: {quoted(', '.join(lines))}")
     for remark in dict.fromkeys(plane.remark for plane in planes.values() if plane.remark):
         report(remark)
     return Blocks(tuple(plane.grid for plane in planes.values()), tuple(planes))
@@ -85,7 +89,7 @@ def _values(stream: BinaryIO, zone: Zone, variables: int, places: Sequence[int])
     if re.search(r"CELLCENTERED", entries.get("VARLOCATION", ""), re.IGNORECASE):
         raise GridgenError(f"zone {zone.number} has cell-centered variables (VARLOCATION): write values at nodes")
     nodes = math.prod(zone.sizes)
-    numbers = Numbers(Window(stream, zone.begin, zone.end), EXPECTED, zone.line)  # type: ignore[arg-type]
+    numbers = Numbers(Window(stream, zone.begin, zone.end), EXPECTED, zone.line)
     over = numbers.count - variables * nodes
     if over:
         raise GridgenError(

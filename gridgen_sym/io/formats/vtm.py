@@ -5,20 +5,23 @@ Source: VTK File Formats, https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import io
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
 from ...errors import GridgenError, quoted
 from ..format import Blocks, Format, Storage
+from ..vtk_parts import xml_root
 from . import vts
 
 _KIND = "vtkMultiBlockDataSet"
 
 
-def encode(blocks: Blocks, *, stem: str) -> dict[str, bytes]:
+def encode(blocks: Blocks, words: Collection[str] = (), *, stem: str) -> dict[str, bytes | Iterator[bytes]]:
     """Return the file of a folder `stem`, and the structured grids in this, by their names."""
-    files = {f"block_{number}.vts": vts.encode(grid) for number, grid in enumerate(blocks.grids)}
-    return {"": _index([name for name, _ in blocks.described], [f"{stem}/{file}" for file in files])} | files
+    files = {f"block_{number}.vts": vts.encode(grid, words) for number, grid in enumerate(blocks.grids)}
+    index = _index([name for name, _ in blocks.described], [f"{stem}/{file}" for file in files])
+    return {"": index, **files}
 
 
 def _index(names: Sequence[str], files: Sequence[str]) -> bytes:
@@ -34,11 +37,12 @@ def _index(names: Sequence[str], files: Sequence[str]) -> bytes:
     return "\n".join(body).encode("utf-8")
 
 
-def decode(data: bytes, *, beside: Callable[[str], bytes]) -> Blocks:
+def decode(data: bytes, words: Collection[str] = (), *, beside: Callable[[str], bytes]) -> Blocks:
     """Return the blocks that a multi-block file names.
 
     Args:
         data: the file.
+        words: ignored: a file says itself what it is.
         beside: returns the bytes of a file whose path is relative to it.
 
     Raises:
@@ -49,7 +53,7 @@ def decode(data: bytes, *, beside: Callable[[str], bytes]) -> Blocks:
     for file in files.values():
         content = beside(file)
         try:
-            grids.append(vts.decode(content))
+            grids.append(vts.decode(io.BytesIO(content)))
         except GridgenError as error:
             raise GridgenError(f"its block {file}: {error}") from error
     return Blocks(tuple(grids), tuple(files))
@@ -58,7 +62,7 @@ def decode(data: bytes, *, beside: Callable[[str], bytes]) -> Blocks:
 def _files(data: bytes) -> Mapping[str, str]:
     """Return the files of the blocks, relative to the multi-block file, by the names of these."""
     found: dict[str, str] = {}
-    for number, entry in enumerate(vts.xml_root(data, _KIND).iter("DataSet")):
+    for number, entry in enumerate(xml_root(data, _KIND).iter("DataSet")):
         file, name = entry.get("file", ""), entry.get("name") or str(number)
         if PurePosixPath(file).suffix.lower() != ".vts":
             raise GridgenError(f"its block {number} is in the file {quoted(file)}; expected a structured grid (.vts)")
@@ -77,8 +81,9 @@ FORMAT = Format(
     encode=encode,
     several=True,
     storage=Storage.FILE_AND_FOLDER,
+    forms=vts.FORMS,
     dimensions="planes of constant z",
     writes="`out.vtm`, and the folder `out` with a `.vts` for each block",
     reads="blocks in `.vts` files",
-    test="tests/io/test_layouts.py::test_what_is_written_is_read",
+    test="tests/io/test_layouts.py::test_vtk_reads_several_blocks",
 )
