@@ -46,7 +46,7 @@ SHARED = {
     "version",
 }
 #: The public face and the way into the command line: nothing imports them, and they may import everything.
-FACE = {"__init__", "__main__"}
+FACE = {"__init__", "__main__", "jax", "torch"}
 #: What must not be loaded until it is needed.
 HEAVY = ("sympy", "jinja2", "matplotlib")
 
