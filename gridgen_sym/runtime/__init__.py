@@ -2,6 +2,7 @@
 
 from ..cache import cache_folder as cache_folder
 from .backend import choose_backend as choose_backend
+from .block_kernels import BlockKernels as BlockKernels
 from .compiler import compile_library as compile_library
 from .compiler import find_compiler as find_compiler
 from .compiler import open_library as open_library

@@ -240,6 +240,17 @@ class KernelSet:
         """Relax the equations at every free node of a color, with frozen coefficients, in place."""
         self._call("euler_lagrange_relaxation", coordinates, values, fixed, color, relaxation, spacing=spacing)
 
+    def on_blocks(self, name: str) -> Callable[..., None] | None:
+        """Return what runs a kernel on many blocks in one call; None where the back end has no such thing."""
+        run = getattr(self._functions.get(name), "on_blocks", None)
+        if run is None:
+            return None
+
+        def with_parameters(blocks: Any, threads: int, coordinates: Any, values: Any, results: Any) -> None:  # noqa: ANN401
+            run(blocks, threads, coordinates, values, self._parameters, results)
+
+        return with_parameters
+
     def _call(
         self,
         name: str,
@@ -250,7 +261,7 @@ class KernelSet:
         spacing: tuple[float, float] = INDEX_STEPS,
     ) -> None:
         _, ni, nj = coordinates.shape
-        given = self._values(values, (ni, nj))
+        given = self.checked_values(values, (ni, nj))
         if name.startswith("euler_lagrange"):
             given = given.at_nodes()
         for array in (coordinates, *arguments):
@@ -268,7 +279,7 @@ class KernelSet:
         block = Block(ni, nj, 0, ni, nj, ni * nj, int(interior_only), threads_for(ni * nj), *spacing)
         self._functions[name](block, coordinates, given, self._parameters, *arguments)
 
-    def _values(self, values: Values | Array | None, shape: tuple[int, int]) -> Values:
+    def checked_values(self, values: Values | Array | None, shape: tuple[int, int]) -> Values:
         """Return values as kernels read them.
 
         Raises:

@@ -6,6 +6,7 @@ import ctypes
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -87,11 +88,35 @@ class _Function:
             *map(_argument, arguments),
         )
 
+    def on_blocks(self, blocks: Any, threads: int, *arrays: Any) -> None:  # noqa: ANN401
+        """Run on many blocks, as `runtime.BlockKernels` calls it.
+
+        Args:
+            blocks: an array of `Block`.
+            threads: that share the blocks.
+            arrays: addresses of the coordinates and of the values of each block (blocks,), the parameters of all, and
+                addresses of what each block writes (blocks, arrays).
+        """
+        if self._loaded is None:
+            self._load()
+        kernel, size = ctypes.cast(self._loaded, ctypes.c_void_p), ctypes.sizeof(Block)
+        addresses = map(_argument, arrays)
+        _each_block().run_on_blocks(kernel, arrays[-1].shape[1], len(blocks), threads, blocks, size, *addresses)
+
     def _load(self) -> None:
         function = getattr(self.library(), self.name)
         function.argtypes = [ctypes.POINTER(Block), *(_TYPES[kind] for kind in self.kinds)]
         function.restype = None
         self._loaded = function
+
+
+@lru_cache(maxsize=1)
+def _each_block() -> ctypes.CDLL:
+    library = open_library("each_block", Path(__file__).with_name("each_block.c").read_text(encoding="utf-8"))
+    integer, pointer = ctypes.c_int64, ctypes.c_void_p
+    library.run_on_blocks.argtypes = [pointer, integer, integer, integer, pointer, integer, *[pointer] * 4]
+    library.run_on_blocks.restype = None
+    return library
 
 
 def _argument(value: Any) -> Any:  # noqa: ANN401

@@ -17,6 +17,8 @@ from ...topology import MultiBlock
 from ...topology.steps import unit_steps
 from ..binding import make_problem
 from ..logical import LogicalRectangle, Spacing
+from ..problem import Problem
+from ..run.checks import check_size, fixed_mask
 from .problem import LayoutProblem
 from .slide import LayoutSlide
 from .slide_choice import make_layout_slide
@@ -62,8 +64,13 @@ def make_layout_problem(
     if isinstance(target, MultiBlock):
         target = blocks_of(layout, target)
     held = _masks(layout, fixed)
-    problems = []
+    problems: list[Problem] = []
     for number, (name, grid) in enumerate(zip(layout.names, layout.blocks, strict=True)):
+        if number and weight is None and not fields and target is None and problems[0].inputs is None:
+            check_size(grid)
+            steps = made[number].steps(grid.shape)
+            problems.append(Problem(problems[0].kernels, fixed_mask(grid, None), None, steps=steps))
+            continue
         own: dict[str, Any] = {
             "weight": _of_block(weight, layout, name),
             "target": _of_block(target, layout, name),

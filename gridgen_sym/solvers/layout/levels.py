@@ -172,9 +172,8 @@ def plan_levels(
     levels[0].take(planes, factor)
     while (coarsening := levels[-1].coarsening()) is not None:
         fine = levels[-1]
-        masks = [
-            np.ascontiguousarray(mask[np.ix_(*kept)]) for mask, kept in zip(fine.fixed, coarsening.kept, strict=True)
-        ]
+        kept = zip(fine.fixed, coarsening.kept, strict=True)
+        masks = [np.ascontiguousarray(mask[rows][:, columns]) for mask, (rows, columns) in kept]
         lines, copies = fine.lines.coarsened(coarsening), coarsening.copies(fine.copies)
         levels.append(BlockLevel(library, copies, masks, lines, coarsening))
         levels[-1].coarsen_from(fine)

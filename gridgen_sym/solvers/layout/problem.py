@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 
 import numpy as np
 
 from ...arrays import Array, Mask
 from ...errors import UnusableValueError
-from ...runtime import KernelSet
+from ...runtime import BlockKernels, KernelSet, Values
 from ...topology.copies import Bond, Copies
 from ..folds import Folds
 from ..linear.solution import LinearSolver
-from ..norms import mean_edge_length, shortest_edges
+from ..norms import shortest_edges
 from ..problem import Problem
 from .exchange import Exchange
 from .linear import layout_solver
 from .slide import LayoutSlide
+
+#: So many blocks are a sample of all.
+_SOME_BLOCKS = 16
 
 
 class LayoutProblem:
@@ -44,6 +48,7 @@ class LayoutProblem:
         self.blocks, self.copies, self.fixed, self.bonds = tuple(blocks), copies, tuple(fixed), tuple(bonds)
         self.exchange = Exchange(copies, [mask.shape for mask in self.fixed])
         self._lengths: Array | None = None
+        self._block_kernels = BlockKernels(self.kernels, self.exchange.shapes, [block.steps for block in self.blocks])
         self._held = self.exchange.join([np.stack((mask, mask)) for mask in self.fixed]) != 0
 
     @property
@@ -61,6 +66,8 @@ class LayoutProblem:
 
     def refresh(self, coordinates: Array) -> None:
         """Evaluate weights and fields at the nodes' present positions."""
+        if not self.kernels.planes:
+            return
         for block, place in self._each(coordinates):
             block.refresh(place)
 
@@ -68,20 +75,21 @@ class LayoutProblem:
         """Return whether everything that the density is given can be evaluated at coordinates."""
         return all(block.exists_at(place) for block, place in self._each(coordinates))
 
+    def _values(self, coordinates: Array) -> list[Values | None] | None:
+        """Return what the density is given on each block; None where it is given nothing."""
+        if not self.kernels.planes:
+            return None
+        return [block.values(place) for block, place in self._each(coordinates)]
+
     def energy(self, coordinates: Array) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian."""
-        found = [block.energy(place) for block, place in self._each(coordinates)]
-        return sum(energy for energy, _ in found), _smallest(smallest for _, smallest in found)
+        return self._block_kernels.energy(coordinates, self._values(coordinates))
 
     def energy_gradient(self, coordinates: Array, out: Array | None = None) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian and the gradient, consistent and zero at fixed nodes."""
         gradient = np.empty(self.exchange.size) if out is None else out
-        total, least = 0.0, []
-        for (block, place), part in zip(self._each(coordinates), self.exchange.views(gradient), strict=True):
-            energy, smallest, _ = block.kernels.energy_gradient(place, block.values(place), block.steps, out=part)
-            total += energy
-            least.append(smallest)
-        return total, _smallest(least), self._pinned(gradient)
+        total, least = self._block_kernels.energy_gradient(coordinates, self._values(coordinates), gradient)
+        return total, least, self._pinned(gradient)
 
     def _pinned(self, gradient: Array) -> Array:
         """Sum a gradient over copies and make it zero at fixed nodes, tangential at sliding ones, in place."""
@@ -99,11 +107,8 @@ class LayoutProblem:
 
         At sliding nodes it is that of the tangential unknowns.
         """
-        before: Sequence[Array | None] = [None] * len(self.blocks) if out is None else out
-        found = [
-            block.kernels.hessian(place, block.values(place), block.steps, semidefinite=semidefinite, out=kept)
-            for (block, place), kept in zip(self._each(coordinates), before, strict=True)
-        ]
+        values = self._values(coordinates)
+        found = self._block_kernels.hessian(coordinates, values, semidefinite=semidefinite, out=out)
         if self.slide is not None:
             gradient = self.exchange.join([block.gradient_at_sides(place) for block, place in self._each(coordinates)])
             self.slide.constrain(found, gradient, semidefinite=semidefinite)
@@ -158,12 +163,25 @@ class LayoutProblem:
         return abs(energy) / float(spacing * np.sqrt(coordinates.size / 2)) if spacing > 0 else 0.0
 
     def _spacing(self, coordinates: Array) -> float:
-        return float(np.mean([mean_edge_length(place) for place in self.exchange.views(coordinates)]))
+        lengths: list[float] = []
+        begin = 0
+        for (ni, nj), alike in groupby(
+            self.exchange.shapes
+        ):  # With many small blocks, calls cost more than arithmetic.
+            count = len(list(alike))
+            end = begin + 2 * count * ni * nj
+            blocks = coordinates[begin:end].reshape(count, 2, ni, nj)
+            edges = [np.diff(blocks, axis=axis) for axis in (2, 3)]
+            squares = [np.einsum("bcij,bcij->b", one, one) / one[0, 0].size for one in edges]
+            lengths += (np.sqrt(squares[0]) + np.sqrt(squares[1])).tolist()
+            begin = end
+        return float(np.mean(lengths))
 
     def mean_jacobian(self, coordinates: Array) -> float:
-        """Return the mean of the absolute Jacobians of the corners."""
-        means = [block.mean_jacobian(place) for block, place in self._each(coordinates)]
-        return float(np.average(means, weights=[mask.size for mask in self.fixed]))
+        """Return the mean of the absolute Jacobians of the corners; of many blocks, of some."""
+        some = slice(None, None, max(1, len(self.blocks) // _SOME_BLOCKS))
+        means = [block.mean_jacobian(place) for block, place in self._each(coordinates)[some]]
+        return float(np.average(means, weights=[mask.size for mask in self.fixed[some]]))
 
     def round_off(self, coordinates: Array, gradient: Array) -> float:
         """Return the norm below which the gradient cannot be distinguished from zero; see `Problem`."""
@@ -191,13 +209,11 @@ class LayoutProblem:
 
     def folds(self, coordinates: Array, *, mendable: bool = False) -> Folds:
         """Count the folds; with `mendable`, only those that moving free or sliding nodes may repair."""
+        rows = self._block_kernels.smallest_jacobians(coordinates)
+        counts = [len(mask) - 1 for mask in self.fixed]
+        by_block = np.split(rows, np.cumsum(counts)[:-1])
         found = [
-            Folds.of(place, fixed if mendable else None, block.kernels.smallest_jacobians(place))
-            for (block, place), fixed in zip(self._each(coordinates), self.held, strict=True)
+            Folds.of(place, fixed if mendable else None, of_block)
+            for (_, place), fixed, of_block in zip(self._each(coordinates), self.held, by_block, strict=True)
         ]
         return Folds(sum(one.cells for one in found), max(one.depth for one in found))
-
-
-def _smallest(values: object) -> float:
-    """Return the smallest of numbers; NaN if one of them is none."""
-    return float(np.min(list(values)))  # type: ignore[call-overload]

@@ -64,14 +64,19 @@ class LayoutMatrix:
     def _find_entries(self, numbers: list[Indices], turns: list[Array], entries: Sequence[Indices]) -> None:
         """Find for every coupling of free nodes the nodes, their turns, and where its block is in all planes."""
         parts: list[tuple[Any, ...]] = []
-        for number, turn, (begin, to_plane, to_row) in zip(numbers, turns, entries, strict=True):
-            ni, nj = number.shape
+        alike: dict[tuple[int, ...], list[int]] = {}
+        for block, number in enumerate(numbers):
+            alike.setdefault(number.shape, []).append(block)
+        for (ni, nj), blocks in alike.items():  # With many small blocks, calls cost more than arithmetic.
+            number, turn = np.stack([numbers[k] for k in blocks]), np.stack([turns[k] for k in blocks], axis=1)
+            begin, to_plane, to_row = np.array([entries[k] for k in blocks]).T[:, :, None, None]
             at = begin + to_row * np.arange(ni)[:, None] + np.arange(nj)
+            to_plane = np.broadcast_to(to_plane, at.shape)
             for (di, dj), planes in _COUPLINGS:
-                here = slice(0, ni - di), slice(max(0, -dj), nj - max(0, dj))
-                there = slice(di, ni), slice(max(0, dj), nj + min(0, dj))
+                here = np.s_[:, : ni - di, max(0, -dj) : nj - max(0, dj)]
+                there = np.s_[:, di:, max(0, dj) : nj + min(0, dj)]
                 both = (number[here] >= 0) & (number[there] >= 0)
-                source = to_plane * np.array(planes)[:, None] + at[here][both]
+                source = to_plane[here][both] * np.array(planes)[:, None] + at[here][both]
                 ends = turn[:, *here][:, both], turn[:, *there][:, both]
                 beside = np.full(source.shape[1], bool(di or dj))
                 parts.append((source, number[here][both], number[there][both], *ends, beside))

@@ -11,6 +11,7 @@ cells.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -126,7 +127,13 @@ def _interpolate_rows(field: Array, places: Array, *, linear: bool) -> Array:
 
 def _lagrange(given: int, place: Array, *, linear: bool) -> tuple[npt.NDArray[np.intp], Array]:
     """Return the first of the 2 or 4 nodes from which each new one is interpolated, and the factors of all."""
-    points = 2 if linear or given < 4 else 4
+    return _factors(given, place.tobytes(), 2 if linear or given < 4 else 4)
+
+
+@lru_cache(maxsize=64)
+def _factors(given: int, places: bytes, points: int) -> tuple[npt.NDArray[np.intp], Array]:
+    """Blocks of a layout often have the same sizes."""
+    place = np.frombuffer(places)
     first = np.clip(np.floor(place).astype(np.intp) - (points // 2 - 1), 0, given - points)
     local, nodes = place - first, range(points)
     return first, np.array([np.prod([(local - m) / (k - m) for m in nodes if m != k], axis=0) for k in nodes])
