@@ -8,6 +8,7 @@ from layouts import assembled, butterfly, cut, ring
 
 import gridgen_sym as gg
 from gridgen_sym.solvers.equations.blocks import system as equations
+from gridgen_sym.solvers.equations.blocks.euler_lagrange import solve_layout_euler_lagrange
 from gridgen_sym.solvers.equations.blocks.system import LayoutEquations
 from gridgen_sym.solvers.layout.binding import make_layout_problem
 
@@ -71,11 +72,21 @@ def test_a_solution_is_the_same_however_the_grid_is_cut(name):
     assert expected.converged, expected.message
     for change, back in ((lambda same: same, lambda same: same), (turned, turned_back)):
         parts = {key: of_blocks(one, change) if key == "target" else one for key, one in given.items()}
-        found = gg.solve_euler_lagrange(change(cut(start, *LINES)), functional, tolerance=1e-12, **parts)
+        layout = change(cut(start, *LINES))
+        found = solve_layout_euler_lagrange(layout, functional, tolerance=1e-12, **parts)
         assert found.converged, found.message
         difference = assembled(back(found.grid), *LINES) - expected.grid.planes
         assert np.abs(difference).max() < 1e-10 * np.ptp(expected.grid.planes)
         assert "stationary" not in found.message
+
+
+@pytest.mark.parametrize("method", ["newton", "relaxation"])
+def test_blocks_that_make_up_a_plain_grid_are_solved_as_one(method):
+    start = gg.domain("wavy", *SIZE)
+    expected = gg.solve_euler_lagrange(start, "winslow", method)
+    found = gg.solve_euler_lagrange(cut(start, *LINES), "winslow", method)
+    assert found.message == expected.message
+    assert np.array_equal(assembled(found.grid, *LINES), expected.grid.planes)
 
 
 def test_one_block_may_lie_beside_two():
@@ -194,7 +205,7 @@ def test_walls_are_a_target():
 @pytest.mark.slow
 def test_a_folded_start_is_untangled():
     start = cut(gg.domain("zee", 17, 17), (0, 8, 16), (0, 16))
-    found = gg.solve_euler_lagrange(start, "winslow")
+    found = solve_layout_euler_lagrange(start, "winslow")
     assert found.untangled_by
     assert found.quality.valid
 
@@ -203,5 +214,5 @@ def test_what_is_for_one_block_is_told():
     layout = gg.layout("pipe", across=4)
     with pytest.raises(gg.GridgenError, match="several blocks does not take 'control'"):
         gg.solve_euler_lagrange(layout, "winslow", control=(0, 0))
-    with pytest.raises(gg.GridgenError, match="by method='newton'; came 'relaxation'"):
+    with pytest.raises(gg.GridgenError, match="by method='newton', without a relaxation; came 'relaxation'"):
         gg.solve_euler_lagrange(layout, "winslow", "relaxation")

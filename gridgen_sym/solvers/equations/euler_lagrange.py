@@ -51,7 +51,7 @@ _FOLDED = "The grid was folded at the start; it was untangled and brought near t
 _LIMITS = {"newton": 200, "relaxation": 100_000, "control": 100}
 
 
-@on_several_blocks(solve_layout_euler_lagrange, without=("control", "relaxation"))
+@on_several_blocks(solve_layout_euler_lagrange, without=("control",), gets_own=True)
 @renamed_arguments(stacklevel=3, name="functional")
 def solve_euler_lagrange(
     grid: Grid,

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy.typing as npt
 
+from ....boundary.sides import Sides
+from ....boundary.wall import Wall
 from ....errors import GridgenError, quoted
 from ....fields.target import Target
 from ....fields.weight import Source, Weight
@@ -13,7 +18,9 @@ from ....functionals.definition import Functional
 from ....functionals.registry import functional as find_functional
 from ....grids import Grid
 from ....topology import MultiBlock
+from ....topology.merging import merge
 from ...layout.binding import blocks_of, logical_rectangles, make_layout_problem
+from ...layout.merged import is_one_grid, names_place, of_all_blocks
 from ...layout.nested import NestedLayouts
 from ...layout.problem import LayoutProblem
 from ...layout.result import LayoutResult
@@ -25,6 +32,7 @@ from ...newton.minimize import minimize
 from ...run.checks import check_controls
 from ...run.deadline import Deadline
 from ...run.progress import Callback, Progress
+from ...run.result import Result
 from ...run.status import Outcome, Status
 from ...run.stopping import run_to_result
 from ..choice import choose_grid
@@ -48,26 +56,51 @@ def solve_layout_euler_lagrange(
     parameters: Mapping[str, float] | None = None,
     tolerance: float = 1e-8,
     max_iterations: int | None = None,
+    relaxation: float | None = None,
     spacing: Spacing = "unit",
     keep_valid: bool = True,
     callback: Callback | None = None,
     time_limit: float | None = None,
     progress: bool | None = None,
     backend: str | None = None,
+    of_one_block: Callable[..., Result] | None = None,
 ) -> LayoutResult:
     """Solve the Euler–Lagrange equations on several blocks; see `gridgen_sym.solve_euler_lagrange`.
 
     Connected nodes where four cells meet have the central differences of inner ones, across the connection. Where
     three, five or more cells meet there are no logical coordinates: such a node makes the discrete energy of its cells
-    stationary. The message of the result counts these nodes.
+    stationary. The message of the result counts these nodes. Blocks that make up a plain grid are solved by
+    `of_one_block`, where nothing is given for blocks.
 
     Raises:
         GridgenError: for input that cannot be used.
     """
-    if method != "newton":
-        raise GridgenError(f"the equations on several blocks are solved by method='newton'; came {quoted(method)}")
     check_controls(tolerance, max_iterations, callback, time_limit)
     definition = find_functional(functional)
+    given: dict[str, Any] = {
+        "parameters": parameters,
+        "tolerance": tolerance,
+        "max_iterations": max_iterations,
+        "relaxation": relaxation,
+        "spacing": spacing,
+        "keep_valid": keep_valid,
+        "callback": callback,
+        "time_limit": time_limit,
+        "progress": progress,
+        "backend": backend,
+    }
+    alike = weight is None and not fields and target is None and walls is None and fixed is None
+    alike = alike and spacing in ("unit", "index")
+    if alike and of_one_block is not None and not names_place(grid, definition, parameters, backend):
+        merged = merge(grid)
+        if is_one_grid(merged.layout):
+            block = merged.layout.blocks[0]
+            return of_all_blocks(partial(of_one_block, block, definition, method, **given), grid, merged)
+    if method != "newton" or relaxation is not None:
+        raise GridgenError(
+            "the equations on blocks that are no plain grid together are solved by method='newton', without a "
+            f"relaxation; came {quoted(method)}"
+        )
     asked = None if walls is None else walls_of_blocks(grid, walls)
     if asked is not None and target is not None:
         raise GridgenError("walls become a target: give walls or a target, not both")
@@ -89,60 +122,92 @@ def solve_layout_euler_lagrange(
             backend=backend,
         )
 
-    limit = _STEPS if max_iterations is None else max_iterations
     title = f"Euler–Lagrange equations of {definition.name}, {len(grid)} blocks"
     with Progress(title, callback, progress, Deadline(time_limit)) as report:
         run = begin_run(grid, make(grid), report)
-        solved: list[LayoutEquations] = []
+        limit = _STEPS if max_iterations is None else max_iterations
+        way = _Way(run, make, definition, parameters, asked, fixed is None, limit)
+        return run_to_result(lambda: way.solve(tolerance, keep_valid), lambda end: way.result(end, keep_valid), report)
 
-        def near_minimum(tolerance: float = _NEAR, steps: int = _STEPS_NEAR) -> Outcome:
-            """Untangle, if necessary, and minimize the energy, whose minimum is near the solution."""
-            if not _made_valid(run, definition, parameters):
+
+@dataclass(slots=True)
+class _Way:
+    """The way to a solution: near the minimum of the energy first, as in one block, and then Newton's method.
+
+    Attributes:
+        run: on the blocks.
+        make: binds the functional to a layout, with a target.
+        functional, parameters: what is minimized.
+        asked: the walls.
+        nests: whether coarse layouts give a start.
+        limit: of Newton steps.
+        equations: once they are reached.
+    """
+
+    run: LayoutRun
+    make: Callable[..., LayoutProblem]
+    functional: Functional
+    parameters: Mapping[str, float] | None
+    asked: Mapping[str, Sides[Wall | None]] | None
+    nests: bool
+    limit: int
+    equations: LayoutEquations | None = None
+
+    def solve(self, tolerance: float, keep_valid: bool) -> Outcome:
+        """Solve, and return how it ended."""
+        run, barrier = self.run, self.run.problem.kernels.barrier
+        end = self._bring_near() if self.limit and (barrier or self.asked is not None) else None
+        if end is not None:
+            return end
+        run.problem.refresh(run.coordinates)
+        self.equations = LayoutEquations(run.problem, run.coordinates)
+        run.report.begin("solve", (run.layout.node_count, 1))
+        return solve_by_newton(self.equations, run.coordinates, run.report, tolerance, self.limit, keep_valid)
+
+    def result(self, outcome: Outcome, keep_valid: bool) -> LayoutResult:
+        """Return the result, which reports the nodes without central differences."""
+        if self.equations is None:
+            return self.run.result(outcome)
+        status, message = choose_grid(self.run, self.equations, outcome, keep_valid)
+        return self.run.result(Outcome(status, message + _remark(self.equations.others)))
+
+    def _bring_near(self) -> Outcome | None:
+        """Bring the grid near the minimum of the energy, which is near the solution; return the end if it is folded."""
+        run = self.run
+        if self.asked is not None:
+            start = walled_start(run.layout, self.asked, run.problem.kernels.backend, run.report)
+            run.coordinates = run.problem.exchange.join([block.planes for block in start.blocks])
+            minimize_with_walls(run, self.asked, lambda targets: self.make(run.layout, targets), self._minimized)
+        else:
+            folded = not run.problem.energy(run.coordinates)[1] > 0
+            end = run.impossible() if folded else None
+            if end is not None:
+                return end
+            if self.nests:
+                nested = NestedLayouts(self.make, self.functional, self.parameters, run.report)
+                run.take(nested.start(run.layout, run.problem), folded=folded)
+            if not run.problem.energy(run.coordinates)[1] > 0:
+                self._minimized()
+        folded = run.problem.kernels.barrier and not run.problem.energy(run.coordinates)[1] > 0
+        return Outcome(Status.FOLDED, NO_PROGRESS) if folded else None
+
+    def _minimized(self) -> Outcome:
+        """Untangle, if necessary, and lower the energy."""
+        run = self.run
+        if run.problem.kernels.barrier and not run.problem.energy(run.coordinates)[1] > 0:
+            run.report.begin("untangle", (run.layout.node_count, 1))
+            if not untangle_blocks(run.problem, self.functional, run.coordinates, self.parameters, run.report):
                 return Outcome(Status.FOLDED, NO_PROGRESS)
-            report.begin("minimize", (grid.node_count, 1))
-            controls = {"tolerance": tolerance, "max_iterations": steps, "keep_valid": True}
-            return minimize(run.problem, run.coordinates, report, **controls)  # type: ignore[arg-type]
-
-        def solve() -> Outcome:
-            if limit and asked is not None:
-                start = walled_start(grid, asked, backend, report)
-                run.coordinates = run.problem.exchange.join([block.planes for block in start.blocks])
-                minimize_with_walls(run, asked, lambda targets: make(grid, targets), near_minimum)
-            elif limit and run.problem.kernels.barrier:
-                folded = not run.problem.energy(run.coordinates)[1] > 0
-                end = run.impossible() if folded else None
-                if end is not None:
-                    return end
-                if fixed is None:
-                    nested = NestedLayouts(make, definition, parameters, report)
-                    run.take(nested.start(grid, run.problem), folded=folded)
-                if not run.problem.energy(run.coordinates)[1] > 0:
-                    near_minimum()
-            if run.problem.kernels.barrier and limit and not run.problem.energy(run.coordinates)[1] > 0:
-                return Outcome(Status.FOLDED, NO_PROGRESS)
-            run.problem.refresh(run.coordinates)
-            solved.append(LayoutEquations(run.problem, run.coordinates))
-            report.begin("solve", (grid.node_count, 1))
-            return solve_by_newton(solved[0], run.coordinates, report, tolerance, limit, keep_valid)
-
-        def result(outcome: Outcome) -> LayoutResult:
-            if not solved:
-                return run.result(outcome)
-            status, message = choose_grid(run, solved[0], outcome, keep_valid)
-            return run.result(Outcome(status, message + _remark(solved[0].others)))
-
-        return run_to_result(solve, result, report)
-
-
-def _made_valid(run: LayoutRun, functional: Functional, parameters: Mapping[str, float] | None) -> bool:
-    """Untangle a folded grid where the functional has a barrier; return whether it may be minimized on."""
-    if not run.problem.kernels.barrier or run.problem.energy(run.coordinates)[1] > 0:
-        return True
-    run.report.begin("untangle", (run.layout.node_count, 1))
-    if not untangle_blocks(run.problem, functional, run.coordinates, parameters, run.report):
-        return False
-    run.untangled_by = REGULARIZED
-    return True
+            run.untangled_by = REGULARIZED
+        run.report.begin("minimize", (run.layout.node_count, 1))
+        return minimize(
+            run.problem,
+            run.coordinates,
+            run.report,
+            tolerance=_NEAR,
+            max_iterations=_STEPS_NEAR,
+            keep_valid=True,
+        )
 
 
 def _remark(others: int) -> str:
