@@ -70,7 +70,6 @@ def test_what_nobody_shortened_is_cut_in_its_middle():
 
 LAYOUT, VALUES = gg.MultiBlock([SQUARE, gg.Grid.from_planes(SQUARE.x + 1, SQUARE.y)]), [[0.0] * 5] * 5
 FOR_ONE_BLOCK = {
-    "adapt": lambda: gg.adapt(LAYOUT, "x"),
     "continuation": lambda: gg.continuation(LAYOUT, "quasi_harmonic", "omega", [1, 0.1]),
     "sliver_certificate": lambda: gg.sliver_certificate(LAYOUT),
     "plot_certificates": lambda: gg.plot_certificates(LAYOUT),
