@@ -19,7 +19,7 @@ _MOST_PACKED = 200
 #: NumPy writes the header of an array into so many bytes at most; a damaged one may announce any number.
 _HEADER = 1 << 14
 #: What a damaged archive raises in the libraries that read it.
-_FAULTS = (
+ARCHIVE_FAULTS = (
     ValueError, TypeError, OSError, EOFError, KeyError, MemoryError, NotImplementedError, RuntimeError, SyntaxError,
     zlib.error, zipfile.BadZipFile,
 )  # fmt: skip
@@ -63,7 +63,7 @@ def read_arrays(data: bytes, forms: tuple[tuple[str, ...], ...], expected: str) 
                     return {name: _array(archive, names[name]) for name in form}
     except GridgenError:
         raise
-    except _FAULTS as error:
+    except ARCHIVE_FAULTS as error:
         raise GridgenError(
             f"it is no whole NumPy archive ({shortened(error)}); write it again with np.savez(path, {forms[0][0]}=...)"
         ) from error

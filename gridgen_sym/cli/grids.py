@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import click
 
 from ..errors import GridgenError
-from ..options import SOLVERS, WEIGHT
+from ..options import OUTLINE, SOLVERS, WEIGHT
 from .base import functionals_option
 from .field import control_of, field_of, fields_of, outside_option, target_of
 from .layouts import LAYOUT_HELP, REFINE_HELP, file_walls, sliding, walls_on
 from .ocean import Ocean, ocean_options
 from .options import option
 from .output import Announcement, certify_and_draw, check_outputs, report, under_of, under_option
-from .start import continuation_of, parameters_of, start_grid, start_options
+from .start import continuation_of, on_plane, parameters_of, start_grid, start_options
 from .types import SizedCommand, integer
 from .walls import WALLS, walls_of
 
@@ -58,7 +58,7 @@ _SOLVERS = ("newton", "local", "euler-lagrange", "relaxation")
 @under_option
 @option(
     SOLVERS["weight"],
-    more=": a formula such as '1 + 5*exp(-20*(x**2 + y**2))', or a .npz or .csv file as for 'adapt --to'",
+    more=": a formula such as '1 + 5*exp(-20*(x**2 + y**2))', or a .npz, .csv or netCDF file as for 'adapt --to'",
     metavar="FIELD",
 )
 @option(WEIGHT["mode"], "--weight-mode")
@@ -243,8 +243,13 @@ def _report(result: Result | LayoutResult, quiet: bool) -> None:
 )
 @click.option("--plot", metavar="PNG", help="Draw the grid, and why no valid one exists: .png, .svg or .pdf.")
 @under_option
+@option(
+    OUTLINE["crs"],
+    more=" before it is measured, for lengths and angles on Earth: auto, or a system such as EPSG:32616",
+    metavar="CRS",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the measures as JSON, by the names of `gg.Quality`.")
-def quality(file: str, layout: bool, plot: str | None, under: str | None, as_json: bool) -> None:
+def quality(file: str, layout: bool, plot: str | None, under: str | None, crs: str | None, as_json: bool) -> None:
     """Measure the grid in FILE; exits with 1 if a cell is folded."""
     import json
 
@@ -252,8 +257,8 @@ def quality(file: str, layout: bool, plot: str | None, under: str | None, as_jso
     from ..topology import quality as measure
 
     check_outputs(None, plot)
-    field = under_of(under, plot)
-    given = read(file, layout=layout)
+    begun = on_plane(read(file, layout=layout), crs, file)
+    given, field = begun.grid, under_of(under, plot, begun.projection)
     measured = measure(given)
     click.echo(json.dumps(measured.as_dict(), indent=2) if as_json else measured.summary())
     if plot or not as_json:

@@ -83,13 +83,12 @@ def depth_of(text: str, outside: Outside, projection: Projection | None) -> Samp
 def _placed(found: Any, projection: Projection | None) -> Any:  # noqa: ANN401
     """Return samples in longitude and latitude as a field of the plane; what has no samples as it is."""
     from ..fields import SampledField
-    from ..fields.on_plane import on_plane
 
     if projection is None:
         return found
     if isinstance(found, tuple):
         return tuple(_placed(one, projection) for one in found)
-    return on_plane(found, projection) if isinstance(found, SampledField) else found
+    return found.on_plane(projection) if isinstance(found, SampledField) else found
 
 
 def _is_other_file(text: str, suffix: str) -> bool:

@@ -128,7 +128,7 @@ def start_grid(
                 f"{flag} belongs to an outline (a file of points, a map or a drawing), which {source} is not"
             )
     if is_file:
-        return _projected(_grid_file(source, size, reorient, layout), crs, source)
+        return on_plane(_grid_file(source, size, reorient, layout), crs, source)
     _refuse_crs(crs, source)
     if layout:
         raise GridgenError(f"--layout belongs to a grid file or a layout's name, which {source} is not")
@@ -181,7 +181,7 @@ def _refuse_crs(crs: str | None, source: str) -> None:
         )
 
 
-def _projected(grid: Grid | MultiBlock, crs: str | None, source: str) -> Start:
+def on_plane(grid: Grid | MultiBlock, crs: str | None, source: str) -> Start:
     """Return the grid of a file, in the plane of a projection if its nodes are places."""
     from ..geography import project
     from ..grids import Grid

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,9 @@ from .gaps import filled, gap_at
 from .outside import ROUNDING, Outside, check_choice
 from .sample_weights import bilinear_weights, cell_weights, nodal_weights, spline_weights, triangle_weights
 from .structured import StructuredInterpolation
+
+if TYPE_CHECKING:
+    from ..geography import Projection
 
 #: Fewer samples span no plane, and less than a grid of cubics in either direction.
 _FEWEST_POINTS, _FEWEST_SMOOTH = 3, 4
@@ -102,6 +105,27 @@ class SampledField:
     def missing(self, x: Array, y: Array) -> npt.NDArray[np.bool_]:
         """Return at which points the nearest sample of a raster is NaN: these are not in the samples."""
         return np.zeros(np.shape(x), dtype=bool) if self._missing is None else self._missing(x, y)
+
+    def on_plane(self, projection: Projection) -> SampledField:
+        """Return a field that is known in longitude and latitude as one in the plane of a projection, in its unit.
+
+        Samples may count longitudes from 0 or from -180. Derivatives are taken by differences.
+
+        Args:
+            projection: of longitude and latitude onto the plane.
+        """
+
+        def places(x: Array, y: Array) -> tuple[Array, Array]:
+            lon, lat = np.moveaxis(projection.to_geographic(np.stack((x, y), axis=-1)), -1, 0)
+            return self.middle + (lon - self.middle + 180) % 360 - 180, lat
+
+        return replace(
+            self,
+            _derivative=None,
+            _value=lambda x, y: self(*places(x, y)),
+            _covers=lambda x, y: self.covers(*places(x, y)),
+            _missing=lambda x, y: self.missing(*places(x, y)),
+        )
 
     def __repr__(self) -> str:
         """Say what it is."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Any
 
@@ -14,7 +16,14 @@ import numpy.typing as npt
 from ..archives import check_packing
 from ..arrays import Array
 from ..errors import GridgenError, MissingExtraError, quoted, shortened
+from . import classic
 
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+#: What a damaged file raises in the libraries that read it.
+_FAULTS = (
+    OSError, RuntimeError, ValueError, TypeError, IndexError, KeyError, MemoryError, AttributeError, OverflowError,
+    AssertionError,
+)  # fmt: skip
 _EMPTY: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -40,16 +49,24 @@ def encode(variables: Mapping[str, Variable], attributes: Mapping[str, Any]) -> 
         MissingExtraError: if netCDF4 is not installed.
     """
     library = _library("writing a netCDF file")
-    made = library.Dataset("memory.nc", "w", memory=1024)
-    made.setncatts(dict(attributes))
-    for name, variable in variables.items():
-        for dimension, size in zip(variable.dimensions, variable.values.shape, strict=True):
-            if dimension not in made.dimensions:
-                made.createDimension(dimension, size)
-        written = made.createVariable(name, variable.values.dtype, variable.dimensions)
-        written.setncatts(dict(variable.attributes))
-        written[...] = variable.values
-    return bytes(made.close())
+    # The bytes of a file in memory are marked as open for writing, and no program would append to them.
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "grid.nc"
+        with library.Dataset(path, "w") as made:
+            made.setncatts(dict(attributes))
+            for name, variable in variables.items():
+                _add(made, name, variable)
+        return path.read_bytes()
+
+
+def _add(made: Any, name: str, variable: Variable) -> None:  # noqa: ANN401
+    """Add a variable to a file that is written."""
+    for dimension, size in zip(variable.dimensions, variable.values.shape, strict=True):
+        if dimension not in made.dimensions:
+            made.createDimension(dimension, size)
+    written = made.createVariable(name, variable.values.dtype, variable.dimensions)
+    written.setncatts(dict(variable.attributes))
+    written[...] = variable.values
 
 
 class NetcdfFile:
@@ -58,7 +75,6 @@ class NetcdfFile:
     def __init__(self, dataset: Any) -> None:  # noqa: ANN401
         """Hold what netCDF4 has opened."""
         self._dataset = dataset
-        self._size = 0
 
     @property
     def variables(self) -> Mapping[str, Any]:
@@ -86,8 +102,8 @@ class NetcdfFile:
         if getattr(found.dtype, "kind", "O") not in "biuf":
             raise GridgenError(f"its variable {quoted(name)} holds no numbers, but {found.dtype}")
         check_packing(packed, 8 * int(np.prod(found.shape, dtype=object)), f"the variable {quoted(name)}")
-        values = found[...]
-        return np.ma.filled(np.ma.asarray(values).astype(float), np.nan)
+        with np.errstate(all="ignore"):  # A damaged file has scales that overflow.
+            return np.ma.filled(np.ma.asarray(found[...]).astype(float), np.nan)
 
 
 @contextmanager
@@ -98,13 +114,19 @@ def opened(data: bytes) -> Iterator[NetcdfFile]:
         GridgenError: if it is none, or is damaged.
         MissingExtraError: if netCDF4 is not installed.
     """
-    library = _library("reading a netCDF file")
-    if not data.startswith((b"CDF\x01", b"CDF\x02", b"CDF\x05", b"\x89HDF\r\n\x1a\n")):
+    if data.startswith(b"CDF\x05"):
+        raise GridgenError("it is a classic file of version 5 (CDF-5); convert it with  nccopy -k nc4 IN OUT")
+    if not data.startswith((*classic.MAGIC, _HDF5)):
         raise GridgenError("it does not begin as a netCDF file does")
     try:
-        with library.Dataset("memory.nc", "r", memory=data) as dataset:
-            yield NetcdfFile(dataset)
-    except (OSError, RuntimeError, ValueError, IndexError, MemoryError, UnicodeDecodeError, AttributeError) as error:
+        if data.startswith(classic.MAGIC):
+            yield NetcdfFile(classic.ClassicFile(data))
+        else:
+            with _library("reading a netCDF file").Dataset("memory.nc", "r", memory=data) as dataset:
+                yield NetcdfFile(dataset)
+    except MissingExtraError:
+        raise
+    except _FAULTS as error:
         if isinstance(error, GridgenError):
             raise
         raise GridgenError(f"it is no whole netCDF file ({shortened(error)}); write it again") from error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,7 +41,9 @@ def foreign(call: Callable[[], object], what: str) -> object:
         GridgenError: naming `what` should have been read; damaged files raise errors of any type in readers.
     """
     try:
-        return call()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Remarks on a file of which all that counts is there.
+            return call()
     except (GridgenError, MissingExtraError):
         raise
     except Exception as error:

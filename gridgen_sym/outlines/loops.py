@@ -19,6 +19,8 @@ from .content import OutlineContent
 _SNAP = 1e-6
 #: So many curves without an end in common are a picture, no outline.
 _MOST = 100_000
+#: Products of larger coordinates overflow.
+_LARGEST = 1e150
 
 
 def outline_of_loops(
@@ -31,6 +33,7 @@ def outline_of_loops(
     Raises:
         GridgenError: if there is no closed curve.
     """
+    _check_finite(loops)
     areas = [_area(loop) for loop in loops]
     if not loops or not max(areas) > 0:
         raise GridgenError("it has no closed curve with an area; an outline is a closed curve")
@@ -54,6 +57,7 @@ def outline_of_polygons(
         GridgenError: if there is no polygon.
     """
     rings = [polygon for polygon in polygons if len(polygon) and len(polygon[0])]
+    _check_finite([ring for polygon in rings for ring in polygon])
     if not rings:
         raise GridgenError("it has no polygon; expected a Polygon or a MultiPolygon")
     outer, *holes = max(rings, key=lambda polygon: _area(polygon[0]))
@@ -73,6 +77,7 @@ def joined(curves: Sequence[Array]) -> list[Array]:
         return []
     if len(curves) > _MOST:
         raise GridgenError(f"it has {len(curves)} curves; an outline has at most {_MOST}: leave out what is not needed")
+    _check_finite(curves)
     extent = float(np.ptp(np.concatenate(curves), axis=0).max())
     ends = _Ends(curves, _SNAP * extent)
     loops, used = [], [False] * len(curves)
@@ -132,6 +137,17 @@ def contains(curve: Array, place: Array) -> bool:
     spans = (y > place[1]) != (next_y > place[1])
     at = x[spans] + (place[1] - y[spans]) * (next_x[spans] - x[spans]) / (next_y[spans] - y[spans])
     return bool((at > place[0]).sum() % 2)
+
+
+def _check_finite(curves: Sequence[Array]) -> None:
+    """Refuse coordinates that are no numbers, or whose products overflow."""
+    for curve in curves:
+        bad = ~(np.abs(curve) <= _LARGEST).all(axis=1)
+        if bad.any():
+            raise GridgenError(
+                f"the point {curve[bad][0].tolist()} is not finite, or farther than {_LARGEST:g} from 0, where areas "
+                "overflow"
+            )
 
 
 def _area(curve: Array) -> float:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import gridgen_sym as gg
-from gridgen_sym.fields.on_plane import on_plane
 
 X, Y = np.linspace(0, 3, 13), np.linspace(2, 0, 9)
 VALUES = X[:, None] + 10 * Y
@@ -56,7 +55,7 @@ class Shifted:
 
 def test_samples_in_longitude_and_latitude_are_a_field_of_the_plane():
     field = gg.raster_field(X, Y, GAPPED)
-    flat = on_plane(field, Shifted())
+    flat = field.on_plane(Shifted())
     x, y = np.array([1.0, 2.9, 1.0]), np.array([1.0, 1.9, 5.0])
     np.testing.assert_allclose(flat(x[:1], y[:1]), 11)
     np.testing.assert_array_equal(flat.missing(x, y), [False, True, False])

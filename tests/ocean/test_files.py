@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import gridgen_sym as gg
 from gridgen_sym.cli import main
+from gridgen_sym.fields.netcdf_samples import read_samples
 
 pytestmark = pytest.mark.extras
 
@@ -151,6 +155,88 @@ def raster(path, *, name="elevation", missing=False, **attributes):
         made[0] = np.ma.masked_invalid(height)
 
 
+def classic(path):
+    """Write a raster in a classic file, with scaled whole numbers, of which one is missing; y before x."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "w") as data:
+        for axis, size in (("y", 4), ("x", 5)):
+            data.createDimension(axis, size)
+            data.createVariable(axis, "f8", (axis,))[:] = 10.0 * np.arange(size)
+        made = data.createVariable("depth", "i2", ("y", "x"))
+        made.scale_factor, made.add_offset, made._FillValue = 0.5, 3.0, np.int16(-1)
+        made[:] = np.arange(20).reshape(4, 5)
+        made[2, 3] = -1
+
+
+def test_classic_files_are_read_with_scales_and_missing_values(tmp_path):
+    path = tmp_path / "a.nc"
+    classic(path)
+    found = read_samples(path.read_bytes())
+    expected = 3 + 0.5 * np.arange(20.0).reshape(4, 5)
+    expected[2, 3] = np.nan
+    np.testing.assert_array_equal(found.values, expected.T)
+    assert (found.name, found.upward, found.x.tolist(), found.y[-1]) == ("depth", False, [0, 10, 20, 30, 40], 30)
+
+
+def test_axes_are_told_by_name_unit_or_attribute_in_either_order(tmp_path):
+    import netCDF4
+
+    for names, attributes in ((("lon", "lat"), {}), (("a", "b"), {"units": ("degrees_east", "degrees_north")})):
+        for order in (names, names[::-1]):
+            path = tmp_path / "a.nc"
+            with netCDF4.Dataset(path, "w") as data:
+                for k, (name, size) in enumerate(zip(names, (3, 2), strict=True)):
+                    data.createDimension(name, size)
+                    data.createVariable(name, "f8", (name,))[:] = np.arange(size) + 10 * k
+                    data[name].setncatts({key: value[k] for key, value in attributes.items()})
+                values = np.arange(6.0).reshape(3, 2)
+                data.createVariable("h", "f8", order)[:] = values if order == names else values.T
+            found = read_samples(path.read_bytes())
+            assert (found.x.tolist(), found.y.tolist()) == ([0, 1, 2], [10, 11])
+            np.testing.assert_array_equal(found.values, values)
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.data())
+def test_damaged_files_are_samples_or_one_clear_error(tmp_path_factory, data):
+    """The C library crashes on such classic files."""
+    path = tmp_path_factory.mktemp("damaged") / "a.nc"
+    classic(path)
+    content = bytearray(path.read_bytes())
+    for place in data.draw(st.lists(st.integers(4, len(content) - 1), min_size=1, max_size=5)):
+        content[place] = data.draw(st.integers(0, 255))
+    with contextlib.suppress(gg.GridgenError):
+        read_samples(bytes(content[: data.draw(st.integers(5, len(content)))]))
+
+
+def test_a_variable_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
+    import netCDF4
+
+    path = tmp_path / "huge.nc"
+    with netCDF4.Dataset(path, "w") as data:
+        for axis in "yx":
+            data.createDimension(axis, 10**6)
+        data.createVariable("h", "f8", ("y", "x"), zlib=True)
+    with pytest.raises(gg.GridgenError, match="the variable 'h' would need 8000000000000 bytes of memory"):
+        read_samples(path.read_bytes(), "h")
+
+
+def test_depth_comes_from_the_curved_grid_of_another_file(sea):
+    """Points with two coordinates each, as `h` in a file of ROMS."""
+    run("grid", sea, "-f", "winslow", "--size", 9, 7, "--crs", "auto", "-o", "coarse.nc", "--coast", sea)
+    import netCDF4
+
+    with netCDF4.Dataset("coarse.nc", "a") as data:
+        made = data.createVariable("h", "f8", ("eta_rho", "xi_rho"))
+        made.coordinates = "lon_rho lat_rho"
+        made[:] = 10 * data["lat_rho"][:]
+    run("grid", sea, "-f", "winslow", "--size", 9, 7, "--crs", "auto", "-o", "fine.nc", "--depth", "coarse.nc:h")
+    with netCDF4.Dataset("fine.nc") as data:
+        inner = data["mask_rho"][1:-1, 1:-1] == 1
+        np.testing.assert_allclose(data["h"][1:-1, 1:-1][inner], 10 * data["lat_rho"][1:-1, 1:-1][inner], rtol=1e-3)
+
+
 def run(*arguments, code=0):
     result = CliRunner().invoke(main, [str(one) for one in arguments])
     assert result.exit_code == code, (result.output, result.exception)
@@ -181,6 +267,8 @@ def test_the_command_line_from_a_coast_to_a_file_of_roms(sea, missing):
         np.testing.assert_array_equal(mask == 0, island)
     run("grid", "roms.nc", "-f", "winslow", "--crs", "auto", "-o", "again.vts")
     before, after = gg.read("roms.nc"), gg.read("again.vts")
+    said = run("quality", "again.vts", "--crs", "auto", "--json")
+    assert json.loads(said[said.index("{") :])["mean_jacobian"] == pytest.approx(1.2e9, rel=0.2)  # Square meters.
     np.testing.assert_allclose(after.xy[0], before.xy[0], atol=1e-8)  # The boundary, in longitude and latitude again.
     np.testing.assert_allclose(after.xy, before.xy, atol=2e-3)
 

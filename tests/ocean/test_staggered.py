@@ -63,6 +63,8 @@ def test_land_is_where_islands_a_function_or_missing_depth_say(capsys):
     assert not mask[:, :3].any()
     assert not mask[6:].any()
     assert made["h"].min() == 1.0
+    shallow = gg.ocean_grid(grid, depth=lambda x, y: 3 * x, min_depth=2)
+    np.testing.assert_allclose(shallow["h"][3, 1:-1], np.maximum(2, 3 * shallow["x_rho"][3, 1:-1]))
     np.testing.assert_allclose(made["h"][1:4, 4], [9, 7, 5])
     np.testing.assert_array_equal(mask[0], mask[1])  # The ring outside is as its neighbors.
 

@@ -20,7 +20,8 @@ POND = [[10, 10], [11, 10], [11, 11]]
 
 
 def closed(curve):
-    return [*curve, curve[0]]
+    """Close a curve, and repeat a point, as maps do."""
+    return [*curve, curve[-1], curve[0]]
 
 
 POLYGON = {"type": "Polygon", "coordinates": [closed(LAKE), *map(closed, ISLANDS)]}
@@ -79,6 +80,11 @@ def test_name_and_corners_are_properties(tmp_path):
         ('{"type": "Polygon", "coordinates": [[[0], [1]]]}', "coordinates must be pairs of numbers"),
         ('{"type": "Polygon", "coordinates": {"a": 1}}', "coordinates must be lists of numbers"),
         ('{"type": "Polygon", "coordinates": [[[[0, 0]]]]}', "coordinates must be pairs of numbers"),
+        (
+            '{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1e200, 1]]]}',
+            r"the point \[1e\+200, 1.0\] is not finite",
+        ),
+        ('{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [NaN, 1]]]}', r"the point \[nan, 1.0\] is not finite"),
         ('{"type": "Polygon", "coordinates": []}', "it has no polygon"),
         ('{"type": "Point", "coordinates": [0, 0]}', "it has no polygon and no line"),
         ('{"type": "LineString", "coordinates": [[0, 0], [1, 0], [1, 1]]}', r"a curve ends at \(1, 1\)"),

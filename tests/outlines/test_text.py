@@ -103,11 +103,19 @@ def test_a_side_with_several_turns(tmp_path, capsys):
     corners = [outline.points[k].tolist() for k in outline.corners]
     assert corners in ([[0, 0], [2, 0], [2, 1], [0, 2]], [[0, 0], [2, 0], [1, 2], [0, 2]])
     assert [1, 1] in outline.grid(9, 9).xy.reshape(-1, 2).tolist()  # The turn to the right is a node.
-    marks = np.roll(L_MARKS, 2)
-    clockwise = gg.Outline(np.roll(L_SHAPE, 2, axis=0)[::-1], marks[::-1])
-    same = [clockwise.points[k].tolist() for k in clockwise.corners]
-    mirrored = [[y, x] for x, y in corners]
-    assert sorted(same) in (sorted(corners), sorted(mirrored))
+
+
+@pytest.mark.parametrize("long", [[9, 1], [1, 9]])
+def test_corners_of_marks_are_the_same_in_either_direction(long):
+    """Of an L with one long arm, whose two choices differ."""
+    points, marks = np.array(L_SHAPE) * long, np.array(L_MARKS)
+    outlines = [gg.Outline(np.roll(points, k, axis=0), np.roll(marks, k)) for k in range(6)]
+    outlines += [gg.Outline(np.roll(points, k, axis=0)[::-1], np.roll(marks, k)[::-1]) for k in range(6)]
+    chosen = [sorted(one.points[k].tolist() for k in one.corners) for one in outlines]
+    assert all(one == chosen[0] for one in chosen)
+    left_out = [2, 9] if long == [1, 9] else [9, 2]  # The arm keeps its end.
+    assert left_out in points.tolist()
+    assert (left_out in chosen[0]) is False
 
 
 def test_turns_within_each_side_add_up_to_zero():
@@ -146,6 +154,17 @@ def test_islands_are_read_and_written(tmp_path):
     assert back != gg.Outline(BOX, (0, 1, 2, 3))
     with pytest.raises(gg.GridgenError, match="island 0 of the outline 'box' needs finite points"):
         gg.Outline(BOX, (0, 1, 2, 3), "box", islands=[island[:2]])
+
+
+def test_curves_that_nan_parts_are_the_largest_and_its_islands(tmp_path, capsys):
+    path = tmp_path / "coast.dat"
+    path.write_text(
+        "NaN NaN\n0.5 0.2\n1 0.2\n1 0.6\nNaN NaN\n0 0\n2 0\n2 1\n0 1\n0 .5\nnan nan\n9 9\n9 8\n8 8\nNaN NaN\n"
+    )
+    found = read_content(path)
+    assert found.points.tolist() == BOX
+    assert [island.tolist() for island in found.islands] == [[[0.5, 0.2], [1, 0.2], [1, 0.6]]]
+    assert "the largest of 2 separate curves is the outline; 1 left out" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("names", [("x", "y"), ("lon", "lat"), ("xy",)])

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...archives import read_arrays
+from ...archives import ARCHIVE_FAULTS, read_arrays
 from ...errors import GridgenError
 from ..content import OutlineContent
 from ..format import OutlineFormat
@@ -52,7 +52,7 @@ def recognizes(data: bytes) -> bool:
                 return False
             with archive.open(first) as stream:
                 head = stream.read(200)
-    except (OSError, ValueError, zipfile.BadZipFile, NotImplementedError, RuntimeError):
+    except ARCHIVE_FAULTS:
         return False
     shape = head.partition(b"'shape': (")[2].partition(b")")[0]
     axes = len([part for part in shape.split(b",") if part.strip()])

@@ -14,6 +14,7 @@ from ...parsing import number_in, whole_number_in
 from ..columns import Columns, columns_of_header, columns_of_numbers
 from ..content import OutlineContent
 from ..format import OutlineFormat
+from ..loops import outline_of_loops
 
 _COMMENTS = ("#", "%", "!")
 _NUMBERS = {2: "two", 3: "three", 4: "four"}
@@ -36,13 +37,14 @@ def decode(data: bytes, path: Path) -> OutlineContent:
     """Return the outline of a text, whose columns have commas, semicolons, tabs or blanks between them.
 
     The first line that is no comment decides which; with semicolons a comma may be the decimal point. After the comment
-    line ``# island`` the points of an island follow.
+    line ``# island`` the points of an island follow. Lines of NaN part closed curves, as in files of coasts for Matlab:
+    the largest is the outline, and those inside it are its islands.
 
     Raises:
         GridgenError: for columns that are neither named nor known, or a line that is no point, with its number.
     """
     name, corners, separator, header = "", None, None, None
-    tables = [_Table()]
+    tables, parted = [_Table()], False
     for number, line in enumerate(data.decode("utf-8-sig", errors="replace").splitlines(), start=1):
         stripped = line.strip()
         if stripped.startswith(_COMMENTS):
@@ -56,15 +58,24 @@ def decode(data: bytes, path: Path) -> OutlineContent:
         elif stripped:
             first, separator = separator is None, separator or _separator(stripped)
             words = _words(stripped, separator)
-            if first and not any(map(_is_number, words)):
+            if all(word.lower() == "nan" for word in words):
+                parted = True
+                tables.append(_Table())
+            elif first and not any(map(_is_number, words)):
                 header = _header(words, number, stripped)
             else:
                 _add(tables[-1], words, number)
-    if separator is None or not tables[0].rows:
+    tables = [table for table in tables if table.rows]
+    if not tables:
         raise GridgenError("it has no points; expected the header 'x,y' and a line for each")
     if header and header.doubt:
         report(f"{path}: {header.doubt}")
-    return _content(name, corners, tables, header, separator)
+    found = _content(name, corners, tables, header, separator or " ")
+    if not parted:
+        return found
+    loops = [curve for curve in (found.points, *found.islands) if len(curve) > 2]
+    largest = outline_of_loops(loops, path, name, found.geographic)
+    return OutlineContent(largest.points, name, corners, largest.islands, found.geographic)
 
 
 def _content(
