@@ -668,7 +668,7 @@ def test_a_file_as_a_target_may_have_another_angle(two_blocks):
             ("grid", "swan", "-f", "winslow", "--layout"),
             "--layout belongs to a grid file or a layout's name, which swan",
         ),
-        (("adapt", "pipe", "--to", "x", "--boundary", "all"), "boundary must be 'fixed'; came 'all'"),
+        (("adapt", "two.p2dfmt", "--to", "x", "-o", "out.vts"), "holds one block, and here are 2"),
         (("grid", "back.p2dfmt", "-f", "winslow"), "block 1 of back.p2dfmt runs clockwise"),
     ],
 )

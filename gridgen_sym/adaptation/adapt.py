@@ -58,7 +58,7 @@ def adapt(
 
     Args:
         grid: the start. A folded one is untangled first. Of several blocks, a `MultiBlock`, the result is a
-            `LayoutAdaptResult`; their boundary stays, unless the blocks are one together.
+            `LayoutAdaptResult`.
         solution: what to adapt to: a function of one argument, your solver, that takes a `Grid` and returns nodal
             values (ni, nj), or takes a `MultiBlock` and returns them by the names of blocks;
             a function of two arrays (x, y); a formula in x and y, as text or as a SymPy expression; or

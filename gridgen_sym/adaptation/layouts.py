@@ -1,4 +1,4 @@
-"""Adapt a grid of several blocks: as one block, where they are one together, and else with a boundary that stays."""
+"""Adapt a grid of several blocks: as one block, where they are one together."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
-from ..errors import GridgenError
 from ..fields.function import required_arguments
 from ..fields.sampled import SampledField
 from ..functionals.definition import Functional
@@ -22,12 +21,13 @@ from ..topology import MultiBlock
 from ..topology.merging import Merged, merge
 from .arguments import check_arguments, valid_start
 from .layout_nodes import LayoutNodes
+from .lines import LineSpacing, sliding_lines
 from .monitor import Monitor, as_monitor
 from .mover import Mover
 from .nodes import Measure
 from .result import AdaptResult, LayoutAdaptResult
 from .run import Callback, adapted
-from .sides import Boundary, SideSpacing
+from .sides import Boundary
 from .source import Solution, source_of
 from .weight_exponent import weight_exponent_of
 
@@ -45,7 +45,7 @@ def adapt_layout(
     max_iterations: int = 30,
     damping: float = 0.5,
     tolerance: float = 1e-3,
-    boundary: Boundary = "fixed",
+    boundary: Boundary = "straight",
     fixed: Mapping[str, npt.ArrayLike] | None = None,
     callback: Callback | None = None,
     time_limit: float | None = None,
@@ -59,7 +59,7 @@ def adapt_layout(
     once in a step. `fixed` maps names of blocks to masks. Blocks that are one together are adapted by `of_one_block`.
 
     Raises:
-        GridgenError: as `adapt`; and for a boundary that slides where the blocks are not one together.
+        GridgenError: as `adapt`; and for nodal values of blocks that are not one together.
     """
     check_arguments(max_iterations, None, damping, tolerance, boundary, callback, time_limit)
     common: dict[str, Any] = {
@@ -83,17 +83,14 @@ def adapt_layout(
             grid,
             merged,
         )
-    if boundary != "fixed":
-        raise GridgenError(
-            f"boundary nodes of blocks that are not one together stay: boundary must be 'fixed'; came {boundary!r}"
-        )
     deadline, definition = Deadline(time_limit), find_functional(functional)
     exponent = weight_exponent_of(definition.name, weight_exponent)
     source = source_of(solution, grid)
     start, note = valid_start(grid, fixed, deadline, backend)
     chosen = as_monitor(monitor)
     of_functional = {"parameters": parameters, "fields": fields, "target": target}
-    mover = Mover(definition, exponent, of_functional, fixed or {}, backend, damping, SideSpacing({}), deadline)
+    lines = LineSpacing(sliding_lines(start, boundary, fixed), chosen.side_exponent)
+    mover = Mover(definition, exponent, of_functional, fixed or {}, backend, damping, lines, deadline)
     found = adapted(source, chosen, mover, start, note, max_iterations, 1, tolerance, callback, progress)
     assert isinstance(found, LayoutAdaptResult)
     return found

@@ -16,7 +16,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..arrays import Array
-from ..fields import Weight
 from ..fields.sampled import grid_field
 from ..functionals.definition import Functional
 from ..grids import Grid
@@ -24,6 +23,8 @@ from ..solvers import energy, optimize
 from ..solvers.run.deadline import Deadline
 from ..topology import MultiBlock
 from .layout_nodes import nodes_of
+from .lines import LineSpacing
+from .nodes import Nodes
 from .sides import SideSpacing
 from .weight_exponent import WeightExponent, weight_values
 
@@ -60,7 +61,7 @@ class Mover:
     fixed: Any
     backend: str | None
     damping: float
-    sides: SideSpacing
+    sides: SideSpacing | LineSpacing
     deadline: Deadline = field(default_factory=Deadline)
     weight: Array | None = None
     energy: float | None = None
@@ -89,7 +90,7 @@ class Mover:
         if self.weight is None:
             self.weight = weight_values(nodes.at_nodes(1 / nodes.areas), nodes, self.weight_exponent)
         residual = np.log(weight_values(density, nodes, self.weight_exponent) / self.weight)
-        size = self._size(start) if self.sides.curves else 1.0
+        size = self._size(start, nodes) if self.sides.curves else 1.0
         self._choose_damping(residual)
         slide = self.sides.toward(start, density, self.damping, size) if self.sides.curves else None
         self.weight = self.weight * np.exp(self.damping * residual)
@@ -112,10 +113,11 @@ class Mover:
         self.failure = "" if solved.converged else solved.message
         return solved.grid
 
-    def _size(self, grid: Grid) -> float:
+    def _size(self, grid: Any, nodes: Nodes) -> float:  # noqa: ANN401
         """Return the size of the functional's energy, as it is under the first weight."""
         if self.energy is None:
-            weight = Weight(self.weight)
+            assert self.weight is not None
+            weight = nodes.weights(self.weight)
             found = abs(energy(grid, self.functional, weight=weight, backend=self.backend, **self.given))
             self.energy = found if 0 < found < np.inf else 1.0
         return self.energy

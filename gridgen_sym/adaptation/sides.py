@@ -43,10 +43,15 @@ def sliding_curves(grid: Grid, boundary: Boundary, fixed: npt.ArrayLike | None) 
         index = side_index(name, grid.shape)
         points = grid.planes[:, *index]
         stays = np.zeros(points.shape[1], dtype=bool) if fixed is None else np.asarray(fixed)[index] != 0
-        stays |= _off_straight_stretches(points) if boundary == "straight" else sharp_turns(points.T)
+        stays |= staying(points, boundary)
         if not stays[1:-1].all():
             curves[name] = SlideCurve.of_points(points.T, 1 + np.flatnonzero(stays[1:-1]))
     return curves
+
+
+def staying(points: Array, boundary: Boundary) -> npt.NDArray[np.bool_]:
+    """Return which nodes (2, n) of a line stay: what is off straight stretches, or turns."""
+    return _off_straight_stretches(points) if boundary == "straight" else sharp_turns(points.T)
 
 
 @dataclass(slots=True)
@@ -74,17 +79,21 @@ class SideSpacing:
             energy: of the functional, which gives the springs their size.
         """
         sprung = {}
-        for name, curve in self.curves.items():
+        for name in self.curves:
             index = side_index(name, grid.shape)
-            edges = np.hypot(*np.diff(grid.planes[:, *index], axis=1))
-            at_nodes = density[index] ** self.exponent
-            new = _normalized((at_nodes[1:] + at_nodes[:-1]) / 2, edges)
-            last = self.wanted.get(name, _normalized(1 / edges, edges))
-            damped = last ** (1 - min(damping, 1.0)) * new ** min(damping, 1.0)
-            self.wanted[name] = damped
-            size = 2 * _STIFFNESS * energy * len(edges) / float(edges.sum()) ** 2
-            sprung[name] = replace(curve, springs=size * _normalized(damped, edges))
+            sprung[name] = self.sprung(name, grid.planes[:, *index], density[index], damping, energy)
         return sprung
+
+    def sprung(self, name: str, points: Array, density: Array, damping: float, energy: float) -> SlideCurve:
+        """Return the curve of a side with nodes (2, n) with springs that go toward a density (n,); see `toward`."""
+        edges = np.hypot(*np.diff(points, axis=1))
+        at_nodes = density**self.exponent
+        new = _normalized((at_nodes[1:] + at_nodes[:-1]) / 2, edges)
+        last = self.wanted.get(name, _normalized(1 / edges, edges))
+        damped = last ** (1 - min(damping, 1.0)) * new ** min(damping, 1.0)
+        self.wanted[name] = damped
+        size = 2 * _STIFFNESS * energy * len(edges) / float(edges.sum()) ** 2
+        return replace(self.curves[name], springs=size * _normalized(damped, edges))
 
 
 def _normalized(density: Array, edges: Array) -> Array:

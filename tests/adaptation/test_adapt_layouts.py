@@ -8,8 +8,14 @@ from layouts import assembled, cut
 
 import gridgen_sym as gg
 from gridgen_sym.adaptation.layout_nodes import LayoutNodes
+from gridgen_sym.adaptation.lines import LineSpacing, sliding_lines
 from gridgen_sym.adaptation.monitor import as_monitor
 from gridgen_sym.adaptation.nodes import BlockNodes
+from gridgen_sym.adaptation.sides import SideSpacing, sliding_curves
+from gridgen_sym.solvers.binding import make_problem
+from gridgen_sym.solvers.layout.binding import make_layout_problem
+from gridgen_sym.solvers.layout.sparse import LayoutMatrix
+from gridgen_sym.solvers.linear.sparse import assemble_hessian
 
 from .conftest import square
 
@@ -49,10 +55,11 @@ def test_two_blocks_are_adapted_as_one(solution, boundary):
     assert found.iterations == 3
 
 
-def test_blocks_that_are_not_put_together_come_to_the_same_grid():
-    one = gg.adapt(square(13), front, boundary="fixed", max_iterations=4)
+@pytest.mark.parametrize("boundary", ["fixed", "straight"])
+def test_blocks_that_are_not_put_together_come_to_the_same_grid(boundary):
+    one = gg.adapt(square(13), front, boundary=boundary, max_iterations=4)
     for solution in (front, solver):
-        found = gg.adapt(cut(square(13), *LINES), solution, fixed={}, max_iterations=4)
+        found = gg.adapt(cut(square(13), *LINES), solution, boundary=boundary, fixed={}, max_iterations=4)
         assert np.abs(assembled(found.grid, *LINES) - one.grid.planes).max() < 5e-3
         assert found.history[-1].spread == pytest.approx(one.history[-1].spread, rel=2e-2)
 
@@ -93,13 +100,51 @@ def test_derivatives_turn_with_the_copies_of_a_sector():
 )
 def test_a_ring_in_a_layout_with_singular_or_periodic_nodes_is_found(layout, given, solution):
     start = gg.layout(layout, **given)
-    found = gg.adapt(start, solution, max_iterations=6)
+    found = gg.adapt(start, solution, boundary="fixed", max_iterations=6)
     assert found.quality.valid
     assert found.history[-1].spread < 0.4 * found.history[0].spread
     assert found.history[-1].error < 0.8 * found.history[0].error
     assert found.grid.boundaries == start.boundaries
     for before, after, outer in zip(start.blocks, found.grid.blocks, start.outer, strict=True):
         np.testing.assert_array_equal(after.planes[:, outer != 0], before.planes[:, outer != 0])
+
+
+def test_springs_of_lines_are_those_of_sides():
+    """Energy, gradient and Hessian: each spring is on the side of one block, and its nodes may have copies in two."""
+    whole = gg.optimize(gg.domain("wavy", 9, 9), "winslow", max_iterations=1).grid
+    blocks = cut(whole, (0, 2, 8), (0, 4, 8))
+    density = [np.exp(nodes.x + nodes.x * nodes.y) for nodes in (BlockNodes(whole), LayoutNodes(blocks))]
+    of_one = SideSpacing(sliding_curves(whole, "all", None)).toward(whole, density[0], 0.7, 3.0)
+    of_blocks = LineSpacing(sliding_lines(blocks, "all", None)).toward(blocks, density[1], 0.7, 3.0)
+    one = make_problem(whole, "winslow", slide=of_one)
+    many = make_layout_problem(blocks, "winslow", slide=of_blocks)
+    coordinates = many.exchange.join([grid.planes for grid in blocks.blocks])
+    energy, _, gradient = one.energy_gradient(np.ascontiguousarray(whole.planes))
+    assert energy - gg.energy(whole, "winslow") > 0.1
+    found, _, of_copies = many.energy_gradient(coordinates)
+    assert found == pytest.approx(energy, rel=1e-13) == many.energy(coordinates)[0]
+    assert many.norm(of_copies) == pytest.approx(one.norm(gradient), rel=1e-12)
+    for semidefinite in (False, True):
+        planes = one.hessian(np.ascontiguousarray(whole.planes), semidefinite=semidefinite)
+        expected = np.linalg.eigvalsh(assemble_hessian(planes, one.held).toarray())
+        matrix = LayoutMatrix(many.copies, many.held).assemble(many.hessian(coordinates, semidefinite=semidefinite))
+        np.testing.assert_allclose(np.linalg.eigvalsh(matrix.toarray()), expected, rtol=1e-9)
+
+
+def test_nodes_slide_along_straight_walls_from_block_to_block():
+    """The front behind the step meets both walls, of which the upper one passes through two blocks."""
+    start = gg.layout("step")
+    stays, slides = (
+        gg.adapt(start, "tanh(3*(x - 2))", boundary=where, max_iterations=6) for where in ("fixed", "straight")
+    )
+    assert slides.quality.valid
+    assert slides.history[-1].error < 0.3 * stays.history[-1].error
+    mask = {name: np.ones(grid.shape) for name, grid in zip(start.names, start.blocks, strict=True)}
+    assert sliding_lines(start, "straight", mask) == {}
+    assert sliding_lines(start, "fixed", None) == {}
+    ring = sliding_lines(gg.layout("annulus", around=32, outwards=4), "all", None)
+    assert all(line.curve.closed for line in ring.values())
+    assert sliding_lines(gg.layout("annulus", around=32, outwards=4), "straight", None) == {}
 
 
 def test_an_error_on_the_way_holds_the_last_grid():
@@ -123,7 +168,6 @@ PIPE = gg.layout("pipe", across=4, outwards=4)
     ("solution", "options", "match"),
     [
         (front, {"moves": 2}, "adapt of several blocks does not take 'moves'"),
-        (front, {"boundary": "straight"}, "of blocks that are not one together stay: boundary must be 'fixed'"),
         (front, {"boundary": "some"}, "unknown boundary 'some'"),
         (solver(PIPE), {}, "nodal values of several blocks are not interpolated from block to block"),
         (lambda layout: [1, 2], {}, "must be given for every block, by name or in the order core, south, east"),

@@ -83,21 +83,26 @@ class LayoutProblem:
 
     def energy(self, coordinates: Array) -> tuple[float, float]:
         """Return the energy and the smallest Jacobian."""
-        return self._block_kernels.energy(coordinates, self._values(coordinates))
+        energy, smallest = self._block_kernels.energy(coordinates, self._values(coordinates))
+        return energy + self._springs(coordinates), smallest
+
+    def _springs(self, coordinates: Array) -> float:
+        """Return the energy of springs between sliding nodes; zero without any."""
+        return 0.0 if self.slide is None else self.slide.spring_energy(coordinates)
 
     def energy_gradient(self, coordinates: Array, out: Array | None = None) -> tuple[float, float, Array]:
         """Return the energy, the smallest Jacobian and the gradient, consistent and zero at fixed nodes."""
         gradient = np.empty(self.exchange.size) if out is None else out
-        total, least = self._block_kernels.energy_gradient(coordinates, self._values(coordinates), gradient)
-        return total, least, self._pinned(gradient)
+        energy, least = self._block_kernels.energy_gradient(coordinates, self._values(coordinates), gradient)
+        return energy + self._springs(coordinates), least, self._pinned(gradient, coordinates)
 
-    def _pinned(self, gradient: Array) -> Array:
+    def _pinned(self, gradient: Array, coordinates: Array) -> Array:
         """Sum a gradient over copies and make it zero at fixed nodes, tangential at sliding ones, in place."""
         if self.slide is None:
             gradient[self._held] = 0.0
             return self.exchange.make_consistent(gradient)
         self.exchange.make_consistent(gradient)
-        along = self.slide.tangential(gradient)
+        along = self.slide.tangential(gradient, coordinates)
         gradient[self._held] = 0.0
         self.slide.spread(along, gradient)
         return gradient
@@ -111,7 +116,7 @@ class LayoutProblem:
         found = self._block_kernels.hessian(coordinates, values, semidefinite=semidefinite, out=out)
         if self.slide is not None:
             gradient = self.exchange.join([block.gradient_at_sides(place) for block, place in self._each(coordinates)])
-            self.slide.constrain(found, gradient, semidefinite=semidefinite)
+            self.slide.constrain(found, coordinates, gradient, semidefinite=semidefinite)
         return found
 
     def shift(self, hessian: list[Array], part: float) -> None:

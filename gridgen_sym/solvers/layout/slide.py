@@ -10,12 +10,15 @@ import numpy.typing as npt
 
 from ...arrays import Array, Mask
 from ...boundary.slide_curve import SlideCurve
+from ...topology.connection import SidePart
 from ...topology.copies import Copies, Indices
 from ...topology.lines import Coarsening
 from ...topology.merging import Merged
+from ...topology.outer_lines import Edge
 from ..sliding.hessian import Couplings
 from ..sliding.side import SlidingSide
 from ..sliding.slide import Slide
+from ..sliding.springs import NEXT, add_couplings, add_spring_gradient, spring_energy
 from .exchange import Exchange, place_numbers
 
 
@@ -29,6 +32,7 @@ class SlidingLine:
         curve: in the direction of the nodes.
         at: (n,), their parameters, increasing.
         own: whether the curve is that of the nodes themselves.
+        edges: that join the nodes, which springs of the curve need.
     """
 
     name: str
@@ -36,6 +40,7 @@ class SlidingLine:
     curve: SlideCurve
     at: Array
     own: bool = False
+    edges: tuple[Edge, ...] = ()
 
 
 class LayoutSlide:
@@ -95,29 +100,50 @@ class LayoutSlide:
         self.slide.retract(places, trial=trial)
         self._exchange.spread(places[:, *self.slide.nodes], coordinates)
 
-    def tangential(self, field: Array) -> Array:
-        """Return the tangential part (2, number of nodes) of a consistent field at the sliding nodes."""
-        return self.slide.tangential(field[self._places])
+    def spring_energy(self, coordinates: Array) -> float:
+        """Return the energy of the springs along the lines; zero without any."""
+        return spring_energy(self.slide, coordinates[self._places])
+
+    def tangential(self, gradient: Array, coordinates: Array) -> Array:
+        """Return the tangential part (2, nodes) of a consistent gradient at the sliding nodes, with that of springs."""
+        there = gradient[self._places]
+        add_spring_gradient(self.slide, coordinates[self._places], there)
+        return self.slide.tangential(there)
 
     def spread(self, vectors: Array, field: Array) -> None:
         """Give all copies of the sliding nodes their vectors (2, number of nodes), in place."""
         self._exchange.spread(vectors, field)
 
-    def constrain(self, hessians: Sequence[Array], gradient: Array, *, semidefinite: bool) -> None:
-        """Make the Hessians (19, ni, nj) of all blocks those of the tangential unknowns, in place.
+    def constrain(self, hessians: Sequence[Array], coordinates: Array, gradient: Array, *, semidefinite: bool) -> None:
+        """Make the Hessians (19, ni, nj) of all blocks those of the tangential unknowns, in place, with springs.
 
         Args:
             hessians: each of a block's own cells.
+            coordinates: of all blocks.
             gradient: distributed, not projected; that at the sliding nodes counts.
             semidefinite: see `Slide.constrain`.
         """
         summed = np.zeros((2, *self.slide.shape))
         summed[:, *self.slide.nodes] = self._exchange.sums(gradient)
+        add_spring_gradient(self.slide, coordinates[self._places], summed)
+        self._add_springs(hessians)
         curvature = self.slide.curvature(summed, semidefinite=semidefinite)
         if self._couplings is None:
             self._couplings = self._find_couplings()
         for planes, (couplings, nodes, first) in zip(hessians, self._couplings, strict=True):
             couplings.constrain(planes, self.slide.tangents[:, nodes], np.where(first, curvature[nodes], 0.0))
+
+    def _add_springs(self, hessians: Sequence[Array]) -> None:
+        """Add the Hessians of the springs, each to the block that its edge is on."""
+        for line, side in zip(self.lines, self.slide.sides, strict=True):
+            weights = side.springs
+            if weights is None:
+                continue
+            for (block, name, k), weight in zip(line.edges, weights.tolist(), strict=True):
+                part = SidePart(block, name, k, k + 1)
+                i, j = part.indices(self.shapes[block])
+                low, high = (i[0], j[0]), (i[1], j[1])
+                add_couplings(hessians[block], low, high, weight, NEXT[part.axis == 0])
 
     def _find_couplings(self) -> list[tuple[Couplings, Indices, npt.NDArray[np.bool_]]]:
         """Return for each block its couplings, the numbers of its sliding nodes, and which are their first copies."""

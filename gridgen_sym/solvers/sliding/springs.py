@@ -15,7 +15,7 @@ from .side import ALONG_XI, Index
 from .slide import Slide
 
 #: The first plane of the coupling with the next node along xi, and along eta, in the stored half of a Hessian.
-_NEXT = {True: 3, False: 7}
+NEXT = {True: 3, False: 7}
 
 
 def _sprung(slide: Slide | None) -> Iterator[tuple[Index, Array, int]]:
@@ -23,7 +23,7 @@ def _sprung(slide: Slide | None) -> Iterator[tuple[Index, Array, int]]:
     for side in slide.sides if slide is not None else ():
         weights = side.springs
         if weights is not None:
-            yield side.index, weights, _NEXT[side.name in ALONG_XI]
+            yield side.index, weights, NEXT[side.name in ALONG_XI]
 
 
 def spring_energy(slide: Slide | None, coordinates: Array) -> float:
@@ -37,18 +37,22 @@ def spring_energy(slide: Slide | None, coordinates: Array) -> float:
 
 def add_spring_gradient(slide: Slide | None, coordinates: Array, gradient: Array) -> None:
     """Add the gradient of the springs to one in all nodes (2, ni, nj), in place."""
-    for (i, j), weights, _ in _sprung(slide):
-        pull = weights * np.diff(coordinates[:, i, j], axis=1)
-        gradient[:, i[1:], j[1:]] += pull
-        gradient[:, i[:-1], j[:-1]] -= pull
+    for index, weights, _ in _sprung(slide):
+        pull = weights * np.diff(coordinates[:, *index], axis=1)
+        gradient[:, *(part[1:] for part in index)] += pull
+        gradient[:, *(part[:-1] for part in index)] -= pull
 
 
 def add_spring_hessian(slide: Slide | None, planes: Array) -> None:
     """Add the Hessian of the springs to the stored half of one in all nodes (19, ni, nj), in place."""
     for (i, j), weights, first in _sprung(slide):
-        low, high = (i[:-1], j[:-1]), (i[1:], j[1:])
-        for entry in (0, 2):
-            planes[entry, *low] += weights
-            planes[entry, *high] += weights
-        for entry in (first, first + 3):
-            planes[entry, *low] -= weights
+        add_couplings(planes, (i[:-1], j[:-1]), (i[1:], j[1:]), weights, first)
+
+
+def add_couplings(planes: Array, low: Index, high: Index, weights: Array, first: int) -> None:
+    """Add the Hessians of springs between nodes and the next ones, whose coupling has this first plane, in place."""
+    for entry in (0, 2):
+        planes[entry, *low] += weights
+        planes[entry, *high] += weights
+    for entry in (first, first + 3):
+        planes[entry, *low] -= weights
