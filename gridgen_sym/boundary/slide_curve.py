@@ -238,7 +238,7 @@ def _of_cubics(breaks: Array, factors: Array) -> Callable[[Array], Derivatives]:
     """Return the derivatives of a piecewise cubic curve, with breaks (m + 1,) and factors (4, m, 2)."""
 
     def derivatives(t: Array) -> Derivatives:
-        which = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, len(breaks) - 2)
+        which = breaks[1:-1].searchsorted(t, side="right")
         a, b, c, d = factors[:, which]
         x = (t - breaks[which])[:, None]
         return ((a * x + b) * x + c) * x + d, (3 * a * x + 2 * b) * x + c, 6 * a * x + 2 * b

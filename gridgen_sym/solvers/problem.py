@@ -176,7 +176,7 @@ class Problem:
 
     def _gradient_of_cells_at_sides(self, coordinates: Array) -> Array:
         """Return the gradient at the sides from the cells beside them, which are all that counts there."""
-        found = np.zeros_like(coordinates)
+        found = np.empty_like(coordinates)
         every, first, last = slice(None), slice(None, 2), slice(-2, None)
         strips = (every, first), (every, last), (every, every, first), (every, every, last)
         for strip, side in zip(strips, SIDES, strict=True):

@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 import gridgen_sym as gg
 from gridgen_sym.boundary.slide_curve import SlideCurve, chord_fractions, slide_curve
 from gridgen_sym.solvers.binding import make_problem
+from gridgen_sym.solvers.sliding.prolongation import finer_parameters, shrink_corners
 from gridgen_sym.solvers.sliding.side import SlidingSide, side_index
 from gridgen_sym.solvers.subdomains import restrict
 
@@ -178,7 +179,44 @@ def test_a_finer_side_takes_the_spacing_of_a_coarser_one():
     curve = SlideCurve.of_points(line)
     fine, coarse = (SlidingSide("top", side_index("top", (n, 3)), curve, np.linspace(0, 1, n)) for n in (33, 17))
     coarse.at = coarse.at**2
-    np.testing.assert_allclose(fine.interpolated(coarse), fine.at**2, atol=1e-12)
+    np.testing.assert_allclose(finer_parameters(fine, coarse), fine.at**2, atol=1e-12)
+
+
+@pytest.mark.parametrize("exponent", [0.3, 0.5, 1.0, 1.5])
+def test_corners_of_a_finer_grid_follow_powers_of_the_index(exponent):
+    """Interpolated by polynomials, parameters beside the end are wrong by 5 to 70 % where the power is not 1."""
+    line = np.stack([np.linspace(0, 1, 33), np.zeros(33)], -1)
+    curve = SlideCurve.of_points(line)
+    fine, coarse = (SlidingSide("top", side_index("top", (n, 3)), curve, np.linspace(0, 1, n)) for n in (33, 17))
+    for flip in (False, True):
+        for side in (coarse, fine):
+            power = np.linspace(0, 1, len(side.at)) ** exponent
+            side.at = 1 - power[::-1] if flip else power
+        np.testing.assert_allclose(np.diff(finer_parameters(fine, coarse)), np.diff(fine.at), rtol=0.02)
+    u, v = np.meshgrid(np.linspace(0, 1, 33), np.linspace(0, 1, 33), indexing="ij")
+    power = (u + 1j * v) ** exponent
+    exact, start = np.stack([power.real, power.imag]), np.zeros((2, 33, 33))
+    shrink_corners(start, np.ascontiguousarray(exact[:, ::2, ::2]))
+    np.testing.assert_allclose(start[:, :4, :4], exact[:, :4, :4] if exponent != 1 else 0, atol=1e-12)
+    np.testing.assert_array_equal(start[:, 4:], 0)
+
+
+@pytest.mark.parametrize("name", ["swan", "wavy"])
+def test_a_finer_grid_starts_near_its_solution_where_nodes_crowd(name):
+    """Displacements from the transfinite grid of such a boundary had gradients a hundred times larger than these."""
+    steps = [step for step in gg.optimize(gg.domain(name, 65, 65), "winslow", slide="all").history]
+    assert len(steps) <= 5
+    assert steps[0].gradient_norm < 2.0
+
+
+def test_a_step_along_a_curve_is_as_long_as_it_was_along_the_tangent():
+    """To the second order, however the parameter runs along the curve."""
+    curve = slide_curve(lambda t: np.stack([np.cos(t + t * t), np.sin(t + t * t)], -1))
+    side = SlidingSide("bottom", side_index("bottom", (9, 3)), curve, np.linspace(0, 1, 9))
+    at = side.at[side.free]
+    for step in (1e-2, 5e-3):
+        found = side.advanced(np.full(len(at), step))[side.free]
+        assert np.abs(found + found**2 - (at + at**2) - step).max() < step**3
 
 
 def test_a_side_that_runs_against_its_curve_slides_as_well():

@@ -15,12 +15,14 @@ from ..problem import Problem
 from ..run.progress import Progress
 from ..sliding.slide import Slide
 from ..untangling.strategies import untangle_regularized
-from .prolongation import coarse_start, finer_start, from_boundary, is_transfinite
+from .prolongation import coarse_start, finer_start, from_boundary, is_transfinite, slid_start
 
 #: A direction with this many cells is not halved further.
 _FEWEST_CELLS = 16
 #: How well a coarse problem is solved: its solution is only a start for the next.
 _TOLERANCE, _STEPS = 1e-2, 30
+#: How far the middle of an edge may be from the curve, over its length: as of an arc of 135 degrees.
+_CUT = 1 / 3
 
 
 def worth_nesting(problem: Problem, coordinates: Array) -> bool:
@@ -70,36 +72,48 @@ class Nested:
             start = coarse_start(coordinates, shape)
             with suppress(UnusableValueError):
                 problem = self.make(Grid.from_planes(*start))
-                if self.slide is None or not self._solve_sliding(problem, start, self.slide.on(shape)):
-                    self.solved, self.slid = self._solve(problem, self.finer(problem, start)), None
+                if self.slide is None:
+                    self._solve_fixed(problem, start)
+                else:
+                    self._solve_sliding(problem, start, self.slide.on(shape))
 
-    def _solve_sliding(self, problem: Problem, start: Array, slide: Slide) -> bool:
-        """Solve on a coarse grid whose boundary nodes slide; return whether its edges follow the curves.
+    def _solve_fixed(self, problem: Problem, start: Array) -> None:
+        self.solved, self.slid = self._solve(problem, self.finer(problem, start)), None
 
-        With few nodes the energy may be least where an edge cuts off a bend; that is of no use to finer grids.
+    def _solve_sliding(self, problem: Problem, start: Array, slide: Slide) -> None:
+        """Solve on a coarse grid whose boundary nodes slide, if its edges then follow the curves.
+
+        With few nodes the energy may be least where an edge cuts off a bend; that is of no use to finer grids. Nodes
+        slide from a grid of nodes that stay, until they have slid on a coarser grid.
         """
         slide.place(start)
-        if slide.caution(start):
-            return False
-        problem.slide = slide
-        found = self._solve(problem, self.finer(problem, from_boundary(start).copy()))
-        problem.slide = None
-        if slide.caution(found):
-            return False
-        self.solved, self.slid = found, slide
-        return True
+        start = from_boundary(start).copy()
+        if self.slid is None:
+            self._solve_fixed(problem, start)
+        if not slide.cut_sides(start, _CUT):
+            problem.slide = slide
+            found = self._solve(problem, self.finer(problem, start))
+            problem.slide = None
+            if not slide.cut_sides(found, _CUT):
+                self.solved, self.slid = found, slide
+                return
+        if self.slid is not None:
+            self._solve_fixed(problem, start)
 
     def finer(self, problem: Problem, coordinates: Array) -> Array:
         """Return the start that the finest solved grid gives on a grid with the boundary of `coordinates`.
 
-        Sliding nodes are spaced as on the solved grid.
+        Sliding nodes are spaced as on the solved grid, if they have slid there.
         """
         if self.solved is None:
             return coordinates
-        if problem.slide is not None and self.slid is not None:
-            coordinates = coordinates.copy()
-            problem.slide.space_as(self.slid, coordinates)
-        return finer_start(problem, self.solved, coordinates)
+        if self.solved.shape == coordinates.shape:
+            return self.solved.copy()
+        if problem.slide is None or self.slid is None:
+            return finer_start(problem, self.solved, coordinates)
+        coordinates = coordinates.copy()
+        problem.slide.space_as(self.slid, coordinates)
+        return slid_start(problem, self.solved, coordinates)
 
     def _solve(self, problem: Problem, start: Array) -> Array:
         """Return the solution on one coarse grid, or the least folded grid where it has none with so few nodes."""

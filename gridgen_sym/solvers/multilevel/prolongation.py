@@ -21,6 +21,7 @@ from ...grids import transfinite
 from ..folds import Folds
 from ..harmonic import move_sides
 from ..problem import Problem
+from ..sliding.prolongation import shrink_corners
 
 #: A grid with less than this part of its cells folded is nearly valid.
 _FEW = 0.02
@@ -52,6 +53,26 @@ def finer_start(problem: Problem, coarse: Array, fine_boundary: Array) -> Array:
     if least.cells > _FEW * start[0].size:
         start, least = _less_folded(problem, start, least, interpolated.copy())
     return start
+
+
+def slid_start(problem: Problem, coarse: Array, fine_boundary: Array) -> Array:
+    """Return the start on a finer grid whose boundary nodes are spaced as those that slid on the coarse one.
+
+    They crowd at some corners and leave others, which makes the transfinite grid useless, and with it displacements
+    from it: the nodes themselves are interpolated, by cubic polynomials.
+
+    Args:
+        problem: on the finer grid; counts the folds.
+        coarse: (2, ni, nj), solved on a coarser grid.
+        fine_boundary: (2, ni, nj) of the finer grid, of which the boundary is used.
+    """
+    start = resample(coarse, fine_boundary.shape[1:], linear=False)
+    shrink_corners(start, coarse)
+    start = move_sides(start, fine_boundary)
+    folds = problem.folds(start)
+    if not folds.cells:
+        return start
+    return _less_folded(problem, start, folds, finer_start(problem, coarse, fine_boundary))[0]
 
 
 def _less_folded(problem: Problem, start: Array, least: Folds, other: Array) -> tuple[Array, Folds]:

@@ -27,7 +27,7 @@ def make_slide(grid: Grid, slide: object) -> Slide:
         GridgenError: for an unknown side, or a curve that does not belong to its side.
     """
     sides = []
-    extent = float(np.ptp(grid.xy.reshape(-1, 2), axis=0).max())
+    extent = float(np.ptp(grid.planes.reshape(2, -1), axis=1).max())
     for name, given in _curves(slide).items():
         index = side_index(name, grid.shape)
         nodes = grid.xy[index]

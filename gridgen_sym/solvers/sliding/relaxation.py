@@ -42,11 +42,11 @@ def relax_sliding(problem: Problem, coordinates: Array, *, floor: float) -> floa
         longest = max(longest, float(np.abs(step).max(initial=0.0)))
         least = floor if smallest > floor else -np.inf
         for _ in range(_HALVINGS if step.any() else 0):
-            moved, at = slide.moved(coordinates, step)
+            moved, places = slide.moved(coordinates, step)
             lower, there = problem.energy(moved)
             if lower < energy and there > least:
                 coordinates[...] = moved
-                slide.set_parameters(at)
+                slide.take(places)
                 break
             step /= 2
     return longest

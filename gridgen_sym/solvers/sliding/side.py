@@ -7,7 +7,6 @@ fraction of what it was.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,9 @@ from ...boundary.slide_curve import Derivatives, SlideCurve
 
 #: Where nodes are in coordinates, an array (2, ...): by i and j, or by numbers in (2, n).
 Index = tuple[Any, ...]
+
+#: The parameters (n,) of all nodes of a side, and the curve's derivatives at those that slide.
+Place = tuple[Array, Derivatives]
 
 #: The sides whose nodes are numbered by i.
 ALONG_XI = "bottom", "top"
@@ -49,7 +51,8 @@ class SlidingSide:
     free: npt.NDArray[np.bool_] = field(init=False)
     low: Array = field(init=False)
     high: Array = field(init=False)
-    _derivatives: tuple[Array, Derivatives] | None = field(init=False, default=None)
+    _place: Place | None = field(init=False, default=None)
+    _before: Place | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         """Find the corners around each node."""
@@ -66,6 +69,11 @@ class SlidingSide:
         self.low, self.high = np.where(self.free, low, self.at), np.where(self.free, high, self.at)
 
     @property
+    def count(self) -> int:
+        """How many nodes slide."""
+        return int(self.free.sum())
+
+    @property
     def springs(self) -> Array | None:
         """The weights of the edges between all nodes, if springs space them."""
         given = self.curve.springs
@@ -79,14 +87,25 @@ class SlidingSide:
     @property
     def derivatives(self) -> Derivatives:
         """The points and the first and second derivatives of the curve (m, 2) at the nodes that slide."""
-        if self._derivatives is None or self._derivatives[0] is not self.at:
-            self._derivatives = self.at, self.curve.derivatives(self.at[self.free])
-        return self._derivatives[1]
+        if self._place is None or self._place[0] is not self.at:
+            self._place = self.place(self.at)
+        return self._place[1]
+
+    def place(self, at: Array) -> Place:
+        """Return parameters (n,) with the curve's derivatives there."""
+        return at, self.curve.derivatives(at[self.free])
+
+    def take(self, place: Place) -> None:
+        """Move the nodes to a place; where they were is remembered for `follow`."""
+        self._before, self.at, self._place = self._place, place[0], place
 
     def follow(self, coordinates: Array) -> None:
         """Take the parameters of the nodes of coordinates (2, ni, nj), which are on the curve."""
         there = coordinates[:, *self.nodes].T
         if np.array_equal(there, self.derivatives[0]):
+            return
+        if self._before is not None and np.array_equal(there, self._before[1][0]):
+            self.take(self._before)
             return
         found = self.curve.nearest(there, self.at[self.free], self.derivatives)
         away = np.abs(self.curve.point(found) - there).max(axis=1, initial=0.0)
@@ -94,12 +113,19 @@ class SlidingSide:
         if far.any():
             searched = self.curve.nearest(there[far])
             found[far] = searched + np.rint(found[far] - searched) if self.curve.closed else searched
-        self.at = self.with_free(found)
+        self.take(self.place(self.with_free(found)))
 
-    def nearest(self, coordinates: Array) -> Array:
-        """Return the parameters (n,) of the points nearest to coordinates (2, ni, nj), in the order of the nodes."""
-        there = coordinates[:, *self.nodes].T
-        return self.in_order(self.with_free(self.curve.nearest(there, self.at[self.free], self.derivatives)))
+    def advanced(self, steps: Array) -> Array:
+        """Return the parameters (n,) after steps (m,) of the nodes that slide, in length along the curve, in order.
+
+        To the second order: a step u of the parameter is u |c'| + u^2 c' . c'' / (2 |c'|) long.
+        """
+        _, slope, bend = self.derivatives
+        square = (slope * slope).sum(axis=1)
+        first = steps / np.sqrt(square)
+        lean = (slope * bend).sum(axis=1) / square * first
+        moved = first * (1.0 - 0.5 * np.minimum(np.maximum(lean, -1.0), 1.0))
+        return self.in_order(self.with_free(self.at[self.free] + moved))
 
     def in_order(self, wanted: Array) -> Array:
         """Return parameters near the wanted ones whose gaps are at least a fraction of the present ones."""
@@ -124,30 +150,6 @@ class SlidingSide:
     def part(self, along: slice, shape: tuple[int, int]) -> SlidingSide:
         """Return some of the nodes, as the same side of a grid of this shape; the first and the last stay."""
         return SlidingSide(self.name, side_index(self.name, shape), self.curve, self.at[along])
-
-    def interpolated(self, coarse: SlidingSide) -> Array:
-        """Return the parameters that a coarser grid's nodes give to these; nodes at corners stay.
-
-        By cubic splines through the coarse nodes and the corners, or monotone cubics where splines overshoot.
-        """
-        from scipy.interpolate import CubicSpline, PchipInterpolator
-
-        place, known = (np.linspace(0.0, 1.0, len(at)) for at in (self.at, coarse.at))
-        found = self.at.copy()
-        stay = np.flatnonzero(~self.free)
-        for first, last in pairwise(stay):
-            if last == first + 1:
-                continue
-            (a, b), (low, high) = place[[first, last]], self.at[[first, last]]
-            inside = (known > a) & (known < b) & (coarse.at > low) & (coarse.at < high)
-            x, y = (np.concatenate(([p], of[inside], [q])) for p, of, q in ((a, known, b), (low, coarse.at, high)))
-            inner = place[first + 1 : last]
-            spline = CubicSpline if len(x) > 3 else PchipInterpolator
-            at = spline(x, y)(inner)
-            if not (np.diff(at, prepend=low, append=high) > 0).all():
-                at = PchipInterpolator(x, y)(inner)
-            found[first + 1 : last] = at
-        return found
 
 
 def _increasing(values: Array) -> Array:

@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from ...arrays import Array, Mask
 from .hessian import Couplings, along_curves
-from .side import ALONG_XI, Index, SlidingSide, side_index
+from .prolongation import finer_parameters
+from .side import ALONG_XI, Index, Place, SlidingSide, side_index
 
 #: An edge cuts off a bend where its middle is this part of its length away from the curve, as of an arc of 87 degrees.
 _CUT = 0.2
@@ -26,20 +27,20 @@ class Slide:
         sides: that slide.
         shape: (ni, nj) of the grid; or (n,), of nodes that are in no grid.
         nodes: the indices of all sliding nodes.
-        tangents: (2, number of nodes), of length 1.
+        points: (2, number of nodes), where they are.
+        tangents: likewise, of length 1.
     """
 
-    __slots__ = ("_couplings", "_tried", "nodes", "shape", "sides", "tangents")
+    __slots__ = ("_bends", "_couplings", "_slopes", "_tried", "nodes", "points", "shape", "sides", "tangents")
 
     def __init__(self, sides: list[SlidingSide], shape: tuple[int, ...]) -> None:
         """Take the sides of a grid."""
         self.sides, self.shape = sides, shape
         parts, none = [side.nodes for side in sides], np.empty(0, dtype=np.intp)
         self.nodes: Index = tuple(np.concatenate([none, *(part[axis] for part in parts)]) for axis in range(len(shape)))
-        self.tangents = np.zeros((2, len(self.nodes[0])))
         self._couplings: Couplings | None = None
-        # The last trial: where it left the nodes, and their parameters on the curves.
-        self._tried: tuple[Array | None, list[Array]] = None, []
+        # The last trial: where it left the nodes, and their places on the curves.
+        self._tried: tuple[Array | None, list[Place]] = None, []
         self._set_tangents()
 
     def mask(self, fixed: Mask) -> Mask:
@@ -64,6 +65,8 @@ class Slide:
 
     def follow(self, coordinates: Array) -> None:
         """Take the sliding nodes from where they are in coordinates (2, ni, nj), which are on their curves."""
+        if np.array_equal(coordinates[:, *self.nodes], self.points):
+            return
         for side in self.sides:
             side.follow(coordinates)
         self._set_tangents()
@@ -71,34 +74,33 @@ class Slide:
     def space_as(self, coarse: Slide, coordinates: Array) -> None:
         """Space the sliding nodes of coordinates (2, ni, nj) as on a coarser grid of the same sides, in place."""
         for side, other in zip(self.sides, coarse.sides, strict=True):
-            side.at = side.interpolated(other)
+            side.take(side.place(finer_parameters(side, other)))
         self._set_tangents()
         self.place(coordinates)
 
     def place(self, coordinates: Array) -> None:
         """Put the sliding nodes of coordinates (2, ni, nj) where they are on their curves, in place."""
-        for side in self.sides:
-            coordinates[:, *side.nodes] = side.derivatives[0].T
+        coordinates[:, *self.nodes] = self.points
 
     def retract(self, coordinates: Array, *, trial: bool = False) -> None:
-        """Put the sliding nodes of coordinates (2, ni, nj) back on their curves, in place, near where they are now.
+        """Put the sliding nodes of coordinates (2, ni, nj) back on their curves, in place.
 
-        None passes its neighbor, or a corner.
+        Of where each has been moved to counts how far that is along the tangent: so far it goes along its curve. None
+        passes its neighbor, or a corner.
 
         Args:
             coordinates: changed in place.
             trial: do not remember where, because the step may be refused.
         """
         there = coordinates[:, *self.nodes]
-        tried, found = self._tried
+        tried, places = self._tried
         if tried is None or not np.array_equal(tried, there):
-            found = [side.nearest(coordinates) for side in self.sides]
-        for side, at in zip(self.sides, found, strict=True):
-            coordinates[:, *side.nodes] = side.curve.point(at[side.free]).T
+            places = self._advanced((self.tangents * (there - self.points)).sum(axis=0))
+        coordinates[:, *self.nodes] = _joined([derivatives[0] for _, derivatives in places])
         if trial:
-            self._tried = there, found
-            return
-        self.set_parameters(found)
+            self._tried = there, places
+        else:
+            self.take(places)
 
     def colors(self) -> Iterator[npt.NDArray[np.bool_]]:
         """Yield masks of the sliding nodes, so that those of one mask have no cell in common."""
@@ -124,32 +126,35 @@ class Slide:
         (xx, xy, yy), (tx, ty) = planes[:3, *self.nodes], self.tangents
         return np.asarray(xx * tx * tx + 2 * xy * tx * ty + yy * ty * ty)
 
-    def moved(self, coordinates: Array, steps: Array) -> tuple[Array, list[Array]]:
+    def moved(self, coordinates: Array, steps: Array) -> tuple[Array, list[Place]]:
         """Return coordinates whose sliding nodes have gone steps (number of nodes,) along their curves, and where."""
-        moved, parameters, begin = coordinates.copy(), [], 0
-        for side in self.sides:
-            count = int(side.free.sum())
-            step, begin = steps[begin : begin + count], begin + count
-            if not step.any():
-                parameters.append(side.at)
-                continue
-            at = side.at[side.free] + step / np.hypot(*side.derivatives[1].T)
-            parameters.append(side.in_order(side.with_free(at)))
-            moved[:, *side.nodes] = side.curve.point(parameters[-1][side.free]).T
-        return moved, parameters
+        moved, places = coordinates.copy(), self._advanced(steps)
+        moved[:, *self.nodes] = _joined([derivatives[0] for _, derivatives in places])
+        return moved, places
 
-    def set_parameters(self, parameters: list[Array]) -> None:
+    def _advanced(self, steps: Array) -> list[Place]:
+        """Return the places of the nodes of every side after steps (number of nodes,) along the curves."""
+        places, begin = [], 0
+        for side in self.sides:
+            end = begin + side.count
+            places.append(side.place(side.advanced(steps[begin:end])))
+            begin = end
+        return places
+
+    def take(self, places: list[Place]) -> None:
         """Take where the nodes of every side are."""
-        for side, at in zip(self.sides, parameters, strict=True):
-            side.at = at
+        for side, place in zip(self.sides, places, strict=True):
+            side.take(place)
         self._set_tangents()
 
-    def caution(self, coordinates: Array) -> str:
-        """Return a remark on sides whose edges cut off much of their curve, with a leading blank, or nothing.
-
-        The coordinates are those of the present sliding nodes.
+    def cut_sides(self, coordinates: Array, most: float = _CUT) -> list[str]:
+        """Return the sides of which an edge is far from its curve.
 
         Few nodes may crowd at the ends of a curve, and one edge span the rest: that grid is one of another domain.
+
+        Args:
+            coordinates: (2, ni, nj), of the present sliding nodes.
+            most: how far the middle of an edge may be from the curve, over its length.
         """
         cut = []
         for side in self.sides:
@@ -158,16 +163,21 @@ class Slide:
             middle = (line[:, 1:] + line[:, :-1]).T / 2
             nearest = side.curve.nearest(middle, (side.at[1:] + side.at[:-1]) / 2)
             away = np.hypot(*(side.curve.point(nearest) - middle).T)
-            if (away > _CUT * edge).any():
+            if (away > most * edge).any():
                 cut.append(side.name)
+        return cut
+
+    def caution(self, coordinates: Array) -> str:
+        """Return a remark on sides whose edges cut off much of their curve, with a leading blank, or nothing."""
+        cut = self.cut_sides(coordinates)
         if not cut:
             return ""
         return f" Edges at {' and '.join(cut)} cut off bends of the curve: take more nodes, or let fewer sides slide."
 
     def _set_tangents(self) -> None:
-        slopes = [side.derivatives[1].T for side in self.sides]
-        slope = np.concatenate([self.tangents[:, :0], *slopes], axis=1)
-        self.tangents = slope / np.hypot(*slope)
+        found = [side.derivatives for side in self.sides]
+        self.points, self._slopes, self._bends = (_joined([of[order] for of in found]) for order in range(3))
+        self.tangents = self._slopes / np.hypot(*self._slopes)
         self._tried = None, []
 
     def tangential(self, field: Array) -> Array:
@@ -188,5 +198,10 @@ class Slide:
 
     def curvature(self, gradient: Array, *, semidefinite: bool) -> Array:
         """Return what bends add to the second derivatives along the curves; see `constrain`."""
-        added = along_curves(self.sides, gradient[:, *self.nodes])
+        added = along_curves(self._slopes, self._bends, gradient[:, *self.nodes])
         return np.maximum(added, 0.0) if semidefinite else added
+
+
+def _joined(parts: list[Array]) -> Array:
+    """Return vectors (m, 2) of every side as one array (2, number of nodes)."""
+    return np.concatenate([np.empty((0, 2)), *parts]).T
