@@ -17,7 +17,6 @@ from ..solvers.layout.problem import LayoutProblem
 from ..solvers.linear.solution import LinearSolver
 from ..solvers.linear.sparse import assemble_hessian
 from ..solvers.linear.systems import DirectSolver
-from ..solvers.sliding.hessian import along_curves
 from .block import BlockDerivatives
 
 
@@ -59,7 +58,7 @@ class BlockUnknowns:
         self._problem, self._shape = block.problem, block.coordinates.shape
         slide = self._problem.slide
         # Along the curve, per length; `tangential` makes it a vector.
-        self._curvature = None if slide is None else along_curves(slide.sides, block.gradient()[:, *slide.nodes])
+        self._curvature = None if slide is None else slide.curvature(block.gradient(), semidefinite=False)
 
     def views(self, field: Array) -> list[Array]:
         """Return the one block."""
