@@ -63,7 +63,7 @@ def make_problem(
     problem = Problem(kernel_set, fixed_mask(grid, fixed), given, bool(interior_only), guard_summed_only, steps)
     if slide is not None:
         problem.slide = make_slide(grid, slide)
-    if grid.shape == home:  # Coarser grids are only on the way.
+    if given is not None and grid.shape == home:  # Coarser grids are only on the way.
         problem.check_samples(grid.planes, folded=not corner_jacobians(grid.x, grid.y).min() > 0)
     problem.refresh(np.ascontiguousarray(grid.planes))
     return problem

@@ -146,4 +146,5 @@ def hessian(
         spacing=spacing,
         backend=backend,
     )
-    return assemble_hessian(problem.hessian(grid.planes, semidefinite=semidefinite), problem.fixed)
+    planes = problem.hessian(grid.planes, semidefinite=semidefinite)
+    return assemble_hessian(planes, problem.fixed, compiled=problem.kernels.backend == "c")

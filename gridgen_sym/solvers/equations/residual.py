@@ -124,8 +124,8 @@ class Equations:
 
     def linearized(self, coordinates: Array, residual: Array) -> tuple[Any, Array]:
         """Return the Jacobian as a sparse matrix, and the residual as a vector of unknowns."""
-        fixed = self.problem.fixed
-        return assemble_jacobian(self.jacobian(coordinates), fixed), to_vector(residual, fixed)
+        fixed, compiled = self.problem.fixed, self.problem.kernels.backend == "c"
+        return assemble_jacobian(self.jacobian(coordinates), fixed, compiled=compiled), to_vector(residual, fixed)
 
     def field(self, vector: Array) -> Array:
         """Return a vector of unknowns as a step of the coordinates."""

@@ -9,73 +9,45 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ...arrays import Array, Mask
+from .assembly import NEIGHBORS, Sources, assemble
 
-#: Neighbors whose blocks the Hessian stores, and the first of their planes.
-_HESSIAN_NEIGHBORS = (((1, 0), 3), ((0, 1), 7), ((1, 1), 11), ((1, -1), 15))
-
-
-def number_free_nodes(fixed: Mask) -> npt.NDArray[np.int64]:
-    """Return the number of every free node, and -1 at fixed ones; (ni, nj)."""
-    numbers = np.full(fixed.shape, -1, dtype=np.int64)
-    free = fixed == 0
-    numbers[free] = np.arange(int(free.sum()))
-    return numbers
+#: The first of the planes of a node's couplings, xx, xy, yx, yy, with the neighbors whose blocks the Hessian stores.
+_STORED = {(1, 0): 3, (0, 1): 7, (1, 1): 11, (1, -1): 15}
 
 
-def assemble_hessian(planes: Array, fixed: Mask) -> Any:  # noqa: ANN401 - scipy.sparse has no types
+def _hessian_sources() -> Sources:
+    """Return where entries are in the stored half: those of the other half at the neighbors, transposed."""
+    found, at_neighbor = np.empty((9, 2, 2), dtype=np.int64), np.zeros(9, dtype=np.bool_)
+    for place, (di, dj) in enumerate(NEIGHBORS):
+        if (di, dj) == (0, 0):
+            found[place] = ((0, 1), (1, 2))
+        elif (di, dj) in _STORED:  # The node's component is the block's row, and the column of the matrix.
+            found[place] = _STORED[di, dj] + np.arange(4).reshape(2, 2)
+        else:
+            found[place] = _STORED[-di, -dj] + np.arange(4).reshape(2, 2).T
+            at_neighbor[place] = True
+    return Sources(found, at_neighbor)
+
+
+def _jacobian_sources() -> Sources:
+    """Return where entries are in the nine blocks of a node's equations: a column's are at the nodes of its rows."""
+    blocks = np.array([NEIGHBORS.index((-di, -dj)) for di, dj in NEIGHBORS])
+    return Sources(4 * blocks[:, None, None] + np.arange(4).reshape(2, 2).T, np.ones(9, dtype=np.bool_))
+
+
+_HESSIAN, _JACOBIAN = _hessian_sources(), _jacobian_sources()
+
+
+def assemble_hessian(planes: Array, fixed: Mask, *, compiled: bool = False) -> Any:  # noqa: ANN401 - scipy.sparse has no types
     """Return the symmetric Hessian over the free nodes (CSC) from its stored half (19, ni, nj)."""
-    numbers = number_free_nodes(fixed)
-    entries = _Entries(numbers)
-    for plane, row, column in ((0, 0, 0), (1, 0, 1), (1, 1, 0), (2, 1, 1)):
-        entries.add(planes[plane], (0, 0), row, column)
-    for (di, dj), first in _HESSIAN_NEIGHBORS:
-        for entry in range(4):
-            row, column = divmod(entry, 2)
-            entries.add(planes[first + entry], (di, dj), row, column, symmetric=True)
-    return entries.matrix()
+    return assemble(planes, fixed, _HESSIAN, compiled=compiled)
 
 
-def assemble_jacobian(planes: Array, fixed: Mask) -> Any:  # noqa: ANN401
+def assemble_jacobian(planes: Array, fixed: Mask, *, compiled: bool = False) -> Any:  # noqa: ANN401
     """Return the Jacobian of the Euler-Lagrange residual over the free nodes (CSC) from its planes (36, ni, nj)."""
-    entries = _Entries(number_free_nodes(fixed))
-    for neighbor in range(9):
-        di, dj = divmod(neighbor, 3)
-        for entry in range(4):
-            row, column = divmod(entry, 2)
-            entries.add(planes[4 * neighbor + entry], (di - 1, dj - 1), row, column)
-    return entries.matrix()
-
-
-class _Entries:
-    """Collects (row, column, value) of couplings between a node and a shifted neighbor, both free."""
-
-    def __init__(self, numbers: npt.NDArray[np.int64]) -> None:
-        self._numbers = numbers
-        self._parts: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Array]] = []
-
-    def add(self, plane: Array, shift: tuple[int, int], row: int, column: int, *, symmetric: bool = False) -> None:
-        """Add the plane's values as entries (row of the node, column of the node shifted by `shift`)."""
-        ni, nj = plane.shape
-        di, dj = shift
-        here = slice(max(0, -di), ni - max(0, di)), slice(max(0, -dj), nj - max(0, dj))
-        there = slice(max(0, di), ni + min(0, di)), slice(max(0, dj), nj + min(0, dj))
-        first, second = self._numbers[here], self._numbers[there]
-        both = (first >= 0) & (second >= 0)
-        rows, columns, values = 2 * first[both] + row, 2 * second[both] + column, plane[here][both]
-        self._parts.append((rows, columns, values))
-        if symmetric:
-            self._parts.append((columns, rows, values))
-
-    def matrix(self) -> Any:  # noqa: ANN401
-        """Return everything as one CSC matrix."""
-        from scipy import sparse
-
-        size = 2 * int(self._numbers.max() + 1)
-        rows, columns, values = (np.concatenate(parts) for parts in zip(*self._parts, strict=True))
-        return sparse.csc_matrix((values, (rows, columns)), shape=(size, size))
+    return assemble(planes, fixed, _JACOBIAN, compiled=compiled)
 
 
 def to_vector(field: Array, fixed: Mask) -> Array:
