@@ -660,7 +660,10 @@ def test_a_file_as_a_target_may_have_another_angle(two_blocks):
     ("arguments", "told"),
     [
         (("grid", "two.p2dfmt", "-f", "winslow", "-o", "out.vts"), "holds one block, and here are 2"),
-        (("grid", "wye:across=4", "-f", "winslow", "--solver", "relaxation"), "are solved by method='newton'"),
+        (
+            ("grid", "two.p2dfmt", "-f", "winslow", "--solver", "euler-lagrange", "--control", "0,0"),
+            "does not take 'control'",
+        ),
         (("grid", "two.p2dfmt", "-f", "winslow", "--interior-only"), "does not take 'interior_only'"),
         (("grid", "two.p2dfmt", "-f", "quasi_harmonic", "--continuation", "omega=1,0.1"), "came a MultiBlock of 2"),
         (("grid", "two.p2dfmt", "-f", "winslow", "--slide", "outlet"), "unknown boundary 'outlet' in slide"),

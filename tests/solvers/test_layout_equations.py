@@ -184,6 +184,17 @@ def test_a_density_with_names_of_one_block_has_no_stencils_across_connections():
         assert LayoutEquations(problem, place).others == 7
 
 
+@pytest.mark.parametrize("name", [pytest.param("pipe", marks=pytest.mark.slow), "cascade", "sector"])
+def test_relaxation_gives_the_same(name):
+    layout = LAYOUTS[name]()
+    expected = gg.solve_euler_lagrange(layout, "winslow", tolerance=1e-11)
+    found = gg.solve_euler_lagrange(layout, "winslow", "relaxation", tolerance=1e-9)
+    assert found.converged
+    assert "relaxation factor" in found.message
+    for one, other in zip(found.grid.blocks, expected.grid.blocks, strict=True):
+        assert one.planes == pytest.approx(other.planes, abs=1e-8)
+
+
 def test_many_nodes_are_solved_by_gmres(monkeypatch):
     expected = gg.solve_euler_lagrange(gg.layout("pipe", across=8), "winslow", tolerance=1e-12)
     monkeypatch.setattr(equations, "_FEW", 0)
@@ -214,5 +225,5 @@ def test_what_is_for_one_block_is_told():
     layout = gg.layout("pipe", across=4)
     with pytest.raises(gg.GridgenError, match="several blocks does not take 'control'"):
         gg.solve_euler_lagrange(layout, "winslow", control=(0, 0))
-    with pytest.raises(gg.GridgenError, match="by method='newton', without a relaxation; came 'relaxation'"):
-        gg.solve_euler_lagrange(layout, "winslow", "relaxation")
+    with pytest.raises(gg.GridgenError, match="unknown method 'sweep': solve_euler_lagrange takes 'newton' or"):
+        gg.solve_euler_lagrange(layout, "winslow", "sweep")

@@ -6,23 +6,20 @@ import numpy as np
 
 from ...arrays import Array
 from ..convergence import converged
-from ..norms import norm_of
 from ..run.progress import Progress
 from ..run.status import Outcome, Status
-from .residual import Equations
+from .system import System
 
 #: How much the residual may grow before a relaxation is called divergent, and the weakest one that is tried.
 _DIVERGENCE, _WEAKEST = 1e2, 0.05
 
 
 def solve_by_relaxation(
-    equations: Equations, coordinates: Array, report: Progress, tolerance: float, limit: int, factor: float | None
+    equations: System, coordinates: Array, report: Progress, tolerance: float, limit: int, factor: float | None
 ) -> Outcome:
-    """Sweep over four colors of nodes with frozen coefficients; weaker where the residual grows."""
-    problem = equations.problem
-    _, ni, nj = coordinates.shape
-    strength = factor or 2 / (1 + np.sin(np.pi / max(ni, nj)))
-    norm = first = norm_of(equations.residual(coordinates))
+    """Sweep over the nodes with frozen coefficients; weaker where the residual grows."""
+    strength = factor or 2 / (1 + np.sin(np.pi / equations.width))
+    norm = first = equations.norm(equations.residual(coordinates))
     safe, safe_norm, floor = coordinates.copy(), norm, equations.round_off(coordinates)
     for iteration in range(limit + 1):
         report.step(iteration, float("nan"), norm, equations.remember(coordinates, norm))
@@ -40,16 +37,13 @@ def solve_by_relaxation(
                     "value. Untangle a folded start, or use method='newton'.",
                 )
             coordinates[...] = safe
-            problem.refresh(coordinates)
+            equations.refresh(coordinates)
         elif norm < safe_norm:
             safe, safe_norm = coordinates.copy(), norm
-        for color in range(4):
-            equations.kernels.euler_lagrange_relaxation(
-                coordinates, equations.values(coordinates), problem.fixed, color, strength, problem.steps
-            )
-        problem.refresh(coordinates)
+        equations.sweep(coordinates, strength)
+        equations.refresh(coordinates)
         before = norm
-        norm = norm_of(equations.residual(coordinates))
+        norm = equations.norm(equations.residual(coordinates))
         if norm == before:
             why = "the sweeps change nothing: the nodes' own equations are singular. Use method='newton'."
             return Outcome(Status.STALLED, why)

@@ -122,6 +122,19 @@ class Equations:
         usable = self._solver.set_operator(self.jacobian(coordinates))
         return self._solver.solve(-residual, _FORCING).vector if usable else np.full_like(residual, np.nan)
 
+    @property
+    def width(self) -> int:
+        """About how many nodes lie along a line across the grid."""
+        return int(max(self.problem.fixed.shape))
+
+    def sweep(self, coordinates: Array, factor: float) -> None:
+        """Relax all nodes once, in place, in four colors."""
+        problem = self.problem
+        for color in range(4):
+            self.kernels.euler_lagrange_relaxation(
+                coordinates, self.values(coordinates), problem.fixed, color, factor, problem.steps
+            )
+
     def linearized(self, coordinates: Array, residual: Array) -> tuple[Any, Array]:
         """Return the Jacobian as a sparse matrix, and the residual as a vector of unknowns."""
         fixed, compiled = self.problem.fixed, self.problem.kernels.backend == "c"

@@ -52,6 +52,15 @@ class System(Protocol):
         """Return Newton's step; NaN where the Jacobian is singular."""
         ...
 
+    @property
+    def width(self) -> int:
+        """About how many nodes lie along a line across the grid."""
+        ...
+
+    def sweep(self, coordinates: Array, factor: float) -> None:
+        """Relax all nodes once, in place, with frozen coefficients; steps are longer by a factor."""
+        ...
+
     def linearized(self, coordinates: Array, residual: Array) -> tuple[Any, Array]:
         """Return the Jacobian as a sparse matrix, and the residual as a vector of unknowns."""
         ...

@@ -37,10 +37,13 @@ from ...run.status import Outcome, Status
 from ...run.stopping import run_to_result
 from ..choice import choose_grid
 from ..newton import solve_by_newton
+from ..relaxation import solve_by_relaxation
 from .system import LayoutEquations
 
-#: Newton steps; how near to the minimum of the energy a start is brought, and in how many steps at most.
-_STEPS, _NEAR, _STEPS_NEAR = 200, 1e-2, 50
+#: Default numbers of Newton steps and of sweeps.
+_LIMITS = {"newton": 200, "relaxation": 100_000}
+#: How near to the minimum of the energy a start is brought, and in how many steps at most.
+_NEAR, _STEPS_NEAR = 1e-2, 50
 
 
 def solve_layout_euler_lagrange(
@@ -96,11 +99,8 @@ def solve_layout_euler_lagrange(
         if is_one_grid(merged.layout):
             block = merged.layout.blocks[0]
             return of_all_blocks(partial(of_one_block, block, definition, method, **given), grid, merged)
-    if method != "newton" or relaxation is not None:
-        raise GridgenError(
-            "the equations on blocks that are no plain grid together are solved by method='newton', without a "
-            f"relaxation; came {quoted(method)}"
-        )
+    if method not in ("newton", "relaxation"):
+        raise GridgenError(f"unknown method {quoted(method)}: solve_euler_lagrange takes 'newton' or 'relaxation'")
     asked = None if walls is None else walls_of_blocks(grid, walls)
     if asked is not None and target is not None:
         raise GridgenError("walls become a target: give walls or a target, not both")
@@ -125,8 +125,9 @@ def solve_layout_euler_lagrange(
     title = f"Euler–Lagrange equations of {definition.name}, {len(grid)} blocks"
     with Progress(title, callback, progress, Deadline(time_limit)) as report:
         run = begin_run(grid, make(grid), report)
-        limit = _STEPS if max_iterations is None else max_iterations
-        way = _Way(run, make, definition, parameters, asked, fixed is None, limit)
+        limit = _LIMITS[method] if max_iterations is None else max_iterations
+        sweeps = method == "relaxation"
+        way = _Way(run, make, definition, parameters, asked, fixed is None, limit, sweeps, relaxation)
         return run_to_result(lambda: way.solve(tolerance, keep_valid), lambda end: way.result(end, keep_valid), report)
 
 
@@ -140,7 +141,9 @@ class _Way:
         functional, parameters: what is minimized.
         asked: the walls.
         nests: whether coarse layouts give a start.
-        limit: of Newton steps.
+        limit: of Newton steps, or sweeps.
+        sweeps: whether relaxation solves, which begins with the start as it is.
+        relaxation: its factor, if it is given.
         equations: once they are reached.
     """
 
@@ -151,17 +154,23 @@ class _Way:
     asked: Mapping[str, Sides[Wall | None]] | None
     nests: bool
     limit: int
+    sweeps: bool
+    relaxation: float | None
     equations: LayoutEquations | None = None
 
     def solve(self, tolerance: float, keep_valid: bool) -> Outcome:
         """Solve, and return how it ended."""
         run, barrier = self.run, self.run.problem.kernels.barrier
-        end = self._bring_near() if self.limit and (barrier or self.asked is not None) else None
+        near = (barrier and not self.sweeps) or self.asked is not None
+        end = self._bring_near() if near and self.limit else None
         if end is not None:
             return end
         run.problem.refresh(run.coordinates)
         self.equations = LayoutEquations(run.problem, run.coordinates)
         run.report.begin("solve", (run.layout.node_count, 1))
+        if self.sweeps:
+            given = tolerance, self.limit, self.relaxation
+            return solve_by_relaxation(self.equations, run.coordinates, run.report, *given)
         return solve_by_newton(self.equations, run.coordinates, run.report, tolerance, self.limit, keep_valid)
 
     def result(self, outcome: Outcome, keep_valid: bool) -> LayoutResult:

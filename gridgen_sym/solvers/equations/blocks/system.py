@@ -27,7 +27,8 @@ from ..residual import keep_best
 from .jacobian import LayoutJacobian
 from .krylov import solve_by_gmres
 from .node_values import NodeValues
-from .patches import Patches
+from .patches import gather
+from .sweeps import LayoutRelaxation
 
 #: Planes that are the same, up to quarters, in blocks that lie turned to each other.
 _TURN_WELL = {WEIGHT_NAME, *INVERSE_TARGET_NAMES}
@@ -55,23 +56,14 @@ class LayoutEquations:
         self.problem = problem
         self.best: dict[bool, tuple[float, Array]] = {}
         exchange, copies = problem.exchange, problem.copies
-        steps = np.array([block.steps for block in problem.blocks])
         stencils = shared_stencils(copies, problem.bonds, exchange.shapes, problem.fixed, self._usable)
         self.others = len(stencils.others)
-        first = copies.starts[stencils.node]
-        own = steps[copies.block[first]]
-        different, group = np.unique(own, axis=0, return_inverse=True)
-        groups = [np.flatnonzero(group.ravel() == number) for number in range(len(different))]
-        places = [view.astype(np.intp) for view in exchange.views(np.arange(exchange.size, dtype=float))]
-        self._patches = [
-            Patches.of(stencils, chosen, (pair[0], pair[1]), places, coordinates, exchange.places)
-            for chosen, pair in zip(groups, different.tolist(), strict=True)
-        ]
-        self._first = [exchange.places[:, first[chosen]] for chosen in groups]
+        self._patches = gather(problem, stencils, np.arange(len(stencils.node)), coordinates)
         self._rest = exchange.places[:, copies.starts[stencils.others]]
         self._energy = LayoutMatrix(copies, problem.fixed)
-        self._jacobian = LayoutJacobian(copies, problem.fixed, stencils, groups)
-        self._values = NodeValues(problem, stencils)
+        self._jacobian = LayoutJacobian(copies, problem.fixed, stencils, [patches.chosen for patches in self._patches])
+        self._stencils, self._values = stencils, NodeValues(problem, stencils)
+        self._relaxation: LayoutRelaxation | None = None
         self._solver = problem.solver() if problem.kernels.backend == "c" else None
         self._scale = self._scales(coordinates, copies.starts[stencils.others])
 
@@ -102,8 +94,8 @@ class LayoutEquations:
         blocks = (problem.blocks, problem.exchange.views(coordinates), values, problem.exchange.views(field))
         for block, place, given, out in zip(*blocks, strict=True):
             block.kernels.euler_lagrange_residual(place, given, block.steps, out=out)
-        for patches, where in zip(self._patches, self._first, strict=True):
-            field[where] = patches.residual(problem.kernels, coordinates, planes)
+        for patches in self._patches:
+            field[patches.centers] = patches.residual(problem.kernels, coordinates, planes)
         if self.others:
             field[self._rest] = self._scale * problem.energy_gradient(coordinates)[2][self._rest]
         return self._energy.vector(field)
@@ -178,6 +170,18 @@ class LayoutEquations:
                 return self.field(found)
         factors = factorize(matrix)
         return self.field(factors.solve(-residual)) if factors else np.full_like(coordinates, np.nan)
+
+    def sweep(self, coordinates: Array, factor: float) -> None:
+        """Relax all nodes once, in place."""
+        if self._relaxation is None:
+            self._relaxation = LayoutRelaxation(self.problem, self._stencils, self._values, coordinates)
+        self._relaxation.sweep(coordinates, factor)
+
+    @property
+    def width(self) -> int:
+        """About how many nodes lie along a line across the grid."""
+        exchange = self.problem.exchange
+        return max(max(map(max, exchange.shapes)), int((exchange.size / 2) ** 0.5))
 
     def linearized(self, coordinates: Array, residual: Array) -> tuple[Any, Array]:
         """Return the Jacobian as a sparse matrix, and the residual as a vector of unknowns."""
