@@ -81,6 +81,7 @@ class BlockData:
     target: object = None
     walls: WallData | None = None
     sides: Mapping[str, SideDerivatives] = field(default_factory=dict)
+    _of_walls: dict[BlockAdjoint, tuple[dict[str, WallGradient], Array]] = field(default_factory=dict)
 
     @cached_property
     def inputs(self) -> InputDerivatives:
@@ -113,7 +114,9 @@ class BlockData:
 
     def _in_walls(self, adjoint: BlockAdjoint) -> tuple[dict[str, WallGradient], Array]:
         assert self.walls is not None
-        return self.walls.derivatives(self._in_matrix(adjoint))
+        if adjoint not in self._of_walls:
+            self._of_walls[adjoint] = self.walls.derivatives(self._in_matrix(adjoint))
+        return self._of_walls[adjoint]
 
     def _in_matrix(self, adjoint: BlockAdjoint) -> list[Array]:
         """Return the derivatives in the entries of the target W, row by row, corners counter-clockwise."""

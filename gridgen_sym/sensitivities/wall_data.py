@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from ..boundary.sides import Sides
 from ..boundary.wall import Wall
 from ..errors import GridgenError, quoted
 from ..fields.wall_cells import WallCells, wall_cells
-from .walls import STEP, difference, in_wall_cells
+from .wall_lines import STEP, LineLaws, difference, laws_of
+from .walls import in_wall_cells
 
 Walls = Sides[Wall | None]
 
@@ -55,11 +57,11 @@ class WallData:
         Args:
             in_matrix: those in the entries of the target W, row by row, corners counter-clockwise.
         """
-        cells, (in_xi, in_second, _, in_fourth) = self._cells(self.used, self.place), in_matrix
+        cells, (in_xi, in_second, _, in_fourth) = self._used_cells, in_matrix
         cosine, sine = np.cos(cells.angle), np.sin(cells.angle)
         in_eta = cosine * in_second + sine * in_fourth
         in_angle = cells.along_eta * (cosine * in_fourth - sine * in_second)
-        found, in_place = in_wall_cells(self.used, self.place, in_xi, in_eta, in_angle)
+        found, in_place = in_wall_cells(self._laws, self.place, in_xi, in_eta, in_angle)
         gradients = {}
         for side, asked, one in zip(Sides._fields, self.asked, found, strict=True):
             if asked is not None and one is not None:
@@ -116,6 +118,14 @@ class WallData:
         return first * self._factor(side), growth
 
     # ---- both ----
+
+    @cached_property
+    def _laws(self) -> tuple[LineLaws, LineLaws]:
+        return laws_of(self.used, self.place)
+
+    @cached_property
+    def _used_cells(self) -> WallCells:
+        return self._cells(self.used, self.place)
 
     def _cells(self, walls: Walls, place: Array) -> WallCells:
         return wall_cells(walls, place, self._shape)

@@ -1,13 +1,11 @@
 """The cells that walls ask for: derivatives in first heights, growth and the boundary, and changes with these.
 
 Cells depend on the boundary by the lengths of its edges and of lines between opposite sides. What the spacing laws give
-for one line depends on that line alone: a few differences of the sixth order, for all lines at once, are their
-derivatives.
+for one line depends on that line alone: a few differences, for all lines at once, are their derivatives.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,27 +14,11 @@ from ..arrays import Array
 from ..boundary.sides import Sides
 from ..boundary.wall import Wall
 from ..fields.wall_cells import LEAST_ANGLE, own_cells
-from ..fields.wall_fractions import (
-    Lines,
-    distances,
-    heights_along,
-    law_of_lines,
-    lines_between,
-    side_fractions,
-)
+from ..fields.wall_fractions import distances, heights_along
 from ..grids import transfinite
 from ..grids.grid import corner_edges
 from .edges import corner_edges_transposed, fractions_transposed, lengths_transposed, transfinite_transposed
-
-#: Factors of differences of the sixth order, and their step over what is changed.
-DIFFERENCES = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
-STEP = 1e-3
-
-
-def difference(function: Callable[[float], Array], step: float) -> Array:
-    """Return the derivative of a function of a number at zero, by differences of the sixth order."""
-    total = sum(factor * (function(k * step) - function(-k * step)) for k, factor in DIFFERENCES)
-    return np.asarray(total / step)
+from .wall_lines import STEP, LineLaws, difference
 
 
 @dataclass(eq=False)
@@ -52,22 +34,15 @@ class _Direction:
 
     Attributes:
         place: (2, n, m), coordinates of which the boundary is used.
-        fractions: (n, m), at the nodes.
-        walled: whether a side is a wall.
+        laws: of the lines.
         in_place: (2, n, m), derivatives in the boundary, which are added up here.
         in_walls: derivatives in the low and in the high wall.
     """
 
-    def __init__(self, low: Wall | None, high: Wall | None, place: Array) -> None:
-        self.place, self.in_place, self._walls = place, np.zeros_like(place), (low, high)
-        self._home = place.shape[1], place.shape[2]
-        self.walled, self.length = low is not None or high is not None, distances(place)
+    def __init__(self, laws: LineLaws, place: Array) -> None:
+        self.place, self.in_place, self.laws = place, np.zeros_like(place), laws
+        self.fractions, self.length = laws.fractions, distances(place)
         self.in_walls: list[WallDerivative | None] = [None, None]
-        self._lines = lines_between(low, high, place, self._home)
-        self.fractions = self._law(self._lines) if self.walled else side_fractions(place)
-
-    def _law(self, lines: Lines) -> Array:
-        return law_of_lines(*self._walls, lines, self._home[1] - 1)
 
     def take_lengths(self, in_lengths: Array) -> None:
         """Take derivatives in the lengths of the lines between the sides, (n,)."""
@@ -91,7 +66,7 @@ class _Direction:
             Derivatives in the own fractions, and in those.
         """
         own, other = np.zeros_like(self.fractions), np.zeros_like(across)
-        if self.walled:
+        if self.laws.walled:
             self.take_lengths((in_edges * np.diff(self.fractions, axis=1)).sum(axis=1))
             pull = in_edges * self.length[:, None]
             own[:, 1:] += pull
@@ -107,33 +82,23 @@ class _Direction:
 
     def take_fractions(self, in_fractions: Array) -> None:
         """Take derivatives in the fractions, (n, m)."""
-        if not self.walled:
-            share = np.linspace(0, 1, self._home[0])
+        if not self.laws.walled:
+            share = np.linspace(0, 1, len(self.length))
             for at, part in ((0, 1 - share), (-1, share)):
                 edges = np.hypot(*np.diff(self.place[:, at], axis=1))
                 self.take_edges(at, fractions_transposed(edges, part @ in_fractions))
             return
-        in_lines = {
-            name: (in_fractions * self._along(name)).sum(axis=1)
-            for name, asked in self._lines._asdict().items()
-            if asked is not None
-        }
+        in_lines = {name: (in_fractions * along).sum(axis=1) for name, along in self.laws.along.items()}
         self.take_lengths(in_lines["length"])
         for number, (first, growth) in enumerate((("first", "growth"), ("last", "growth_last"))):
-            wall = self._walls[number]
+            wall = self.laws.walls[number]
             if wall is not None:
                 found = self._in_wall(wall, number, in_lines[first], in_lines.get(growth))
                 self.in_walls[number] = found
 
-    def _along(self, name: str) -> Array:
-        """Return how the fractions of every line change with one of the things that are asked of it."""
-        asked = getattr(self._lines, name)
-        moved = difference(lambda t: self._law(self._lines._replace(**{name: asked * (1 + t)})), STEP)
-        return np.asarray(moved / asked[:, None])
-
     def _in_wall(self, wall: Wall, number: int, in_heights: Array, in_growth: Array | None) -> WallDerivative:
         """Return derivatives at a wall's nodes, given those at all lines; add what heights beside it take along."""
-        count, at = self._home[0], -number
+        count, at = len(self.length), -number
         index, first = wall.along(wall.first, count, "first")
         growth = np.zeros(len(index))
         if in_growth is not None:
@@ -175,19 +140,18 @@ def _end_cell(line: Array, at: int) -> float:
 
 
 def in_wall_cells(
-    walls: Sides[Wall | None], place: Array, in_xi: Array, in_eta: Array, in_angle: Array
+    laws: tuple[LineLaws, LineLaws], place: Array, in_xi: Array, in_eta: Array, in_angle: Array
 ) -> tuple[Sides[WallDerivative | None], Array]:
     """Return derivatives in walls and in the boundary (2, ni, nj), given those in the cells that walls ask for.
 
     Args:
-        walls: of the four sides.
+        laws: of the lines along eta and along xi, as `laws_of` returns them.
         place: (2, ni, nj), of which the boundary is used.
         in_xi: (4, ni-1, nj-1), derivatives in the lengths of edges along xi, in the order of `WallCells`.
         in_eta: the same along eta.
         in_angle: the same in the angles.
     """
-    eta = _Direction(walls.bottom, walls.top, place)
-    xi = _Direction(walls.left, walls.right, place.transpose(0, 2, 1))
+    eta, xi = _Direction(laws[0], place), _Direction(laws[1], place.transpose(0, 2, 1))
     edges_eta, edges_xi = np.zeros((place.shape[1], place.shape[2] - 1)), np.zeros((place.shape[1] - 1, place.shape[2]))
     edges_eta[:-1], edges_xi[:, :-1] = in_eta[0] + in_eta[3], in_xi[0] + in_xi[1]
     edges_eta[1:] += in_eta[1] + in_eta[2]
@@ -197,7 +161,7 @@ def in_wall_cells(
     eta.take_fractions(of_eta + across_xi.T)
     xi.take_fractions(of_xi + across_eta.T)
     found = eta.in_place + xi.in_place.transpose(0, 2, 1)
-    if not all(wall.orthogonal for wall in walls if wall is not None):
+    if not all(wall.orthogonal for law in laws for wall in law.walls if wall is not None):
         found += _in_angles(place, in_angle)
     return Sides(eta.in_walls[0], xi.in_walls[1], eta.in_walls[1], xi.in_walls[0]), found
 

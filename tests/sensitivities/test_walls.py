@@ -10,7 +10,8 @@ import pytest
 import gridgen_sym as gg
 from gridgen_sym.boundary.wall import walls_by_side
 from gridgen_sym.fields.wall_cells import wall_cells
-from gridgen_sym.sensitivities.walls import difference, in_wall_cells
+from gridgen_sym.sensitivities.wall_lines import difference, laws_of
+from gridgen_sym.sensitivities.walls import in_wall_cells
 
 Wall = gg.Wall
 SHAPE = 13, 11
@@ -64,7 +65,7 @@ def test_derivatives_of_the_cells_that_walls_ask_for(walls):
         return np.stack((found.along_xi, found.along_eta, found.angle))
 
     expected = float((cotangent * difference(cells, 1e-3)).sum())
-    in_walls, in_place = in_wall_cells(walls_by_side(walls), place, *cotangent)
+    in_walls, in_place = in_wall_cells(laws_of(walls_by_side(walls), place), place, *cotangent)
     found = float((in_place * moved).sum())
     for side, (first, growth) in change.items():
         one = getattr(in_walls, side)
