@@ -63,12 +63,26 @@ def read_samples(data: bytes, name: str = "") -> NetcdfSamples:
                 values = values.T
                 first, second = second, first
             y, x = (file.numbers(axis, len(data)) for axis in (first, second))
-            return NetcdfSamples(chosen, x, y, values.T, upward)
+            x, values = _around(x, values.T)
+            return NetcdfSamples(chosen, x, y, values, upward)
         x, y = (file.numbers(one, len(data)) for one in _coordinates(file, chosen))
         if x.shape != values.shape or y.shape != values.shape:
             raise GridgenError(f"the coordinates of {quoted(chosen)} have the shapes {x.shape}, {y.shape}, not its own")
         known = np.isfinite(values) & np.isfinite(x) & np.isfinite(y)
         return NetcdfSamples(chosen, x[known], y[known], values[known], upward)
+
+
+def _around(x: Array, values: Array) -> tuple[Array, Array]:
+    """Return samples (nx, ny) at longitudes that go around the Earth with one column more at either end.
+
+    So nothing is missing between the last longitude and the first.
+    """
+    step = (x[-1] - x[0]) / max(1, len(x) - 1)
+    if abs(abs(x[-1] - x[0] + step) - 360) > abs(step) / 100:
+        return x, values
+    turn = 360 * np.sign(step)
+    wide = np.concatenate(([x[-1] - turn], x, [x[0] + turn]))
+    return wide, np.concatenate((values[-1:], values, values[:1]))
 
 
 def _only(file: NetcdfFile) -> str:

@@ -79,13 +79,14 @@ class OceanGrid:
         """Return the bytes of the file that `write` writes."""
         more = {"title": title} if title else {}
         if convention == "roms":
-            return encode(self.variables, roms.ATTRIBUTES | more)
+            made = roms.variables(self.plane, self.places, self.sea, self.depth)
+            return encode(made, roms.ATTRIBUTES | more)
         if convention != "ugrid":
             raise GridgenError(f"the convention must be 'roms' or 'ugrid'; came {quoted(convention)}")
         points = self.plane if self.places is None else self.places
         assert points is not None  # One of them is there.
         made = ugrid.variables(points, self.sea, self.depth, geographic=self.places is not None)
-        return encode(dict(made), ugrid.ATTRIBUTES | more)
+        return encode(made, ugrid.ATTRIBUTES | more)
 
 
 def ocean_grid(

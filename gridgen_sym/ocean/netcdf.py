@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +19,8 @@ from ..errors import GridgenError, MissingExtraError, quoted, shortened
 from . import classic
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
+#: More numbers of one variable take gigabytes, and none of them is beside the grid.
+_MOST = 1 << 28
 #: What a damaged file raises in the libraries that read it.
 _FAULTS = (
     OSError, RuntimeError, ValueError, TypeError, IndexError, KeyError, MemoryError, AttributeError, OverflowError,
@@ -42,8 +44,8 @@ class Variable:
     attributes: Mapping[str, Any] = field(default_factory=lambda: _EMPTY)
 
 
-def encode(variables: Mapping[str, Variable], attributes: Mapping[str, Any]) -> bytes:
-    """Return a netCDF-4 file with variables, whose dimensions are as long as their arrays.
+def encode(variables: Iterable[tuple[str, Variable]], attributes: Mapping[str, Any]) -> bytes:
+    """Return a netCDF-4 file with named variables, whose dimensions are as long as their arrays.
 
     Raises:
         MissingExtraError: if netCDF4 is not installed.
@@ -54,7 +56,7 @@ def encode(variables: Mapping[str, Variable], attributes: Mapping[str, Any]) -> 
         path = Path(folder) / "grid.nc"
         with library.Dataset(path, "w") as made:
             made.setncatts(dict(attributes))
-            for name, variable in variables.items():
+            for name, variable in variables:
                 _add(made, name, variable)
         return path.read_bytes()
 
@@ -101,7 +103,13 @@ class NetcdfFile:
         found = self.variables[name]
         if getattr(found.dtype, "kind", "O") not in "biuf":
             raise GridgenError(f"its variable {quoted(name)} holds no numbers, but {found.dtype}")
-        check_packing(packed, 8 * int(np.prod(found.shape, dtype=object)), f"the variable {quoted(name)}")
+        count = int(np.prod(found.shape, dtype=object))
+        check_packing(packed, 8 * count, f"the variable {quoted(name)}")
+        if count > _MOST:
+            raise GridgenError(
+                f"the variable {quoted(name)} holds {count} numbers, and at most {_MOST} are read: cut it to the "
+                "region first, as with  ncks -d lon,WEST,EAST -d lat,SOUTH,NORTH IN OUT"
+            )
         with np.errstate(all="ignore"):  # A damaged file has scales that overflow.
             return np.ma.filled(np.ma.asarray(found[...]).astype(float), np.nan)
 

@@ -179,6 +179,27 @@ def test_classic_files_are_read_with_scales_and_missing_values(tmp_path):
     assert (found.name, found.upward, found.x.tolist(), found.y[-1]) == ("depth", False, [0, 10, 20, 30, 40], 30)
 
 
+@pytest.mark.parametrize("turn", [1, -1])
+def test_samples_around_the_earth_have_no_seam(tmp_path, turn):
+    import netCDF4
+
+    lon, lat, path = np.arange(-179.5, 180)[::turn], np.arange(-30, 31.0), tmp_path / "a.nc"
+    with netCDF4.Dataset(path, "w") as data:
+        for name, axis in (("lat", lat), ("lon", lon)):
+            data.createDimension(name, len(axis))
+            data.createVariable(name, "f8", (name,))[:] = axis
+        data.createVariable("h", "f8", ("lat", "lon"))[:] = np.abs(lon) + 0 * lat[:, None]
+    found = read_samples(path.read_bytes())
+    assert sorted(found.x[[0, -1]]) == [-180.5, 180.5]
+    field = gg.raster_field(found.x, found.y, found.values)
+    places = np.array([[179, -20], [181, -20], [181, -15], [179, -15.0]])
+    projection = gg.project(places)
+    flat = field.on_plane(projection)
+    x, y = projection.to_plane(np.stack((np.linspace(179, 181, 9), np.full(9, -17.0)), axis=-1)).T
+    assert flat.covers(x, y).all()
+    np.testing.assert_allclose(flat(x, y), np.minimum(179.5, 180 - np.abs(np.linspace(-1, 1, 9))), atol=1e-9)
+
+
 def test_axes_are_told_by_name_unit_or_attribute_in_either_order(tmp_path):
     import netCDF4
 
