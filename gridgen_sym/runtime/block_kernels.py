@@ -83,9 +83,12 @@ class BlockKernels:
         run = self._kernels.on_blocks(name)
         if run is None:
             return False
-        given = [None] * len(self._shapes) if values is None else values
-        checked = [self._kernels.checked_values(one, shape) for one, shape in zip(given, self._shapes, strict=True)]
-        addresses = np.array([_address(one.pointers) for one in checked], dtype=np.uintp)
+        if values is None and not self._kernels.planes:
+            addresses = np.zeros(len(self._shapes), dtype=np.uintp)
+        else:
+            given = [None] * len(self._shapes) if values is None else values
+            checked = [self._kernels.checked_values(one, shape) for one, shape in zip(given, self._shapes, strict=True)]
+            addresses = np.array([_address(one.pointers) for one in checked], dtype=np.uintp)
         run(self._blocks, self._threads, self._addresses(coordinates), addresses, results)
         return True
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +18,7 @@ from ..arrays import Array
 from .components import component_numbers
 from .connection import SidePart
 from .copies import Bond, Copies, Indices
+from .directions import direction_groups
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,18 +89,19 @@ class Lines:
         """Number the lines of blocks of these shapes (ni, nj)."""
         counts = np.array(shapes, dtype=np.intp).ravel()
         begin = np.concatenate(([0], np.cumsum(counts)))
-        first, second = [np.empty(0, dtype=np.intp)], [np.empty(0, dtype=np.intp)]
+        pairs = [(bond.one, bond.other) for bond in bonds]
+        first, second = (
+            np.array([begin[2 * part.block + part.axis] + part.first for part in parts], dtype=np.intp)
+            for parts in ([one for one, _ in pairs], [other for _, other in pairs])
+        )
+        lengths = np.array([one.count for one, _ in pairs], dtype=np.intp)
+        along = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+        turned = np.repeat(np.array([bond.reversed for bond in bonds], dtype=bool), lengths)
+        back = np.where(turned, np.repeat(lengths - 1, lengths) - along, along)
+        number = component_numbers(np.repeat(first, lengths) + along, np.repeat(second, lengths) + back, int(begin[-1]))
         held = np.zeros(begin[-1], dtype=bool)
-        held[begin[:-1]] = held[begin[1:] - 1] = True
-        for bond in bonds:
-            one, other = (
-                begin[2 * part.block + part.axis] + np.arange(part.first, part.last + 1)
-                for part in (bond.one, bond.other)
-            )
-            first.append(one)
-            second.append(other[::-1] if bond.reversed else other)
-            held[one[[0, -1]]] = held[other[[0, -1]]] = True
-        number = component_numbers(np.concatenate(first), np.concatenate(second), int(begin[-1]))
+        for ends in (begin[:-1], begin[1:] - 1, first, second, first + lengths - 1, second + lengths - 1):
+            held[ends] = True
         any_held = np.bincount(number, held) > 0
         return cls(begin, number, any_held, np.repeat(np.array(groups, dtype=np.intp).ravel(), counts))
 
@@ -149,3 +152,9 @@ class Lines:
         total = np.concatenate(([0], np.cumsum(coarsening.stays)))
         kept = coarsening.stays
         return Lines(total[self.begin], self.number[kept], self.held, self.group[kept])
+
+
+@lru_cache(maxsize=16)
+def lines_of(bonds: tuple[Bond, ...], shapes: tuple[tuple[int, int], ...]) -> Lines:
+    """Return the lines of blocks of these shapes; solvers ask for those of one layout several times."""
+    return Lines.of(bonds, direction_groups(bonds, len(shapes)), shapes)

@@ -98,6 +98,30 @@ def test_thin_cells_on_both_sides_of_a_connection(growth, most):
     assert found.iterations <= most
 
 
+def test_double_precision_takes_over_where_cells_are_too_thin():
+    """An aspect ratio of 1e5; where it is the Hessian that is not positive, single precision stays."""
+    y = np.concatenate(([0], np.cumsum(1.6 ** np.arange(32))))
+    blocks = [gg.Grid.from_planes(*np.meshgrid(np.linspace(0, 1, 9), one, indexing="ij")) for one in (y, -y[::-1])]
+    layout = gg.MultiBlock([gg.Grid.from_planes(grid.x, grid.y / y[-1]) for grid in blocks])
+    problem = make_layout_problem(layout, "winslow", target=layout)
+    place = problem.exchange.join([block.planes for block in layout.blocks])
+    hessian = problem.hessian(place, semidefinite=True)
+    right = problem.exchange.of_first_copies(np.random.default_rng(0).normal(size=place.shape))
+    right[problem._held] = 0.0
+    solver = problem.solver()
+    assert solver.set_operator([-planes for planes in hessian]) is False
+    wrong = [planes.copy() for planes in hessian]
+    for planes in wrong:
+        planes[3:11] *= 1.5
+    assert not (solver.set_operator(wrong) and solver.solve(right, 1e-6).positive)
+    assert solver._now is not solver._precise
+    assert solver.set_operator(hessian)
+    found = solver.solve(right, 1e-6)
+    assert solver._now is solver._precise
+    assert found.positive
+    assert found.iterations <= 20
+
+
 def test_any_number_of_threads_gives_the_same_bits(monkeypatch):
     vectors = []
     for threads in ("1", "2", "3"):

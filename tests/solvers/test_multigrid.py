@@ -395,7 +395,7 @@ def test_an_interrupt_returns_the_best_grid():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stencil", ["symmetric", "general", "blocks"])
+@pytest.mark.parametrize("stencil", ["symmetric", "general", "blocks", "blocks_in_double"])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("threads", ["-fopenmp", "-Wno-unknown-pragmas"])
 def test_the_sources_compile_without_a_warning_of_either_compiler(stencil, compiler, threads, tmp_path):

@@ -67,7 +67,8 @@ def make_layout_problem(
     problems: list[Problem] = []
     for number, (name, grid) in enumerate(zip(layout.names, layout.blocks, strict=True)):
         if number and weight is None and not fields and target is None and problems[0].inputs is None:
-            check_size(grid)
+            if arrays_of is None or grid.shape == arrays_of[number]:  # Coarser grids have nodes of the finest.
+                check_size(grid)
             steps = made[number].steps(grid.shape)
             problems.append(Problem(problems[0].kernels, fixed_mask(grid, None), None, steps=steps))
             continue

@@ -12,8 +12,7 @@ import numpy.typing as npt
 from ...arrays import Array, Mask
 from ...runtime import HESSIAN_PLANES, threads_for
 from ...topology.copies import Bond, Copies
-from ...topology.directions import direction_groups
-from ...topology.lines import Coarsening, Lines
+from ...topology.lines import Coarsening, Lines, lines_of
 from .memory import BlockMemory
 
 #: Every block keeps at least one cell along each direction; with fewer different nodes a level is not coarsened.
@@ -42,6 +41,7 @@ class _Crossing(ctypes.Structure):
         ("count", ctypes.c_int64),
         ("most", ctypes.c_int64),
         *((name, ctypes.c_void_p) for name in ("node", "inverse", "line", "along", "blocks")),
+        ("weakest", ctypes.c_double),
     )
 
 
@@ -71,10 +71,12 @@ class BlockLevel:
         fixed: Sequence[Mask],
         lines: Lines,
         coarsening: Coarsening | None = None,
+        dtype: type[np.floating[Any]] = np.float32,
     ) -> None:
-        """Allocate; `coarsening` has led here from the finer level."""
+        """Allocate; `coarsening` has led here from the finer level, `dtype` is that of the library's numbers."""
+        self._dtype = dtype
         self.copies, self.fixed, self.lines, self._library = copies, list(fixed), lines, library
-        self.memory = BlockMemory(fixed, coarsening)
+        self.memory = BlockMemory(fixed, coarsening, dtype)
         self.threads = threads_for(sum(mask.size for mask in fixed))
         self._share()
         blocks, relaxed, solution = self.memory.blocks, self.memory.relaxed, self.memory.solution
@@ -84,7 +86,7 @@ class BlockLevel:
         self._reference = ctypes.byref(self.structure)
         library.find_rows(self._reference)
         width = HESSIAN_PLANES * int(self.memory.strides.max())
-        self._rows = np.zeros((self.threads, width), dtype=np.float32)
+        self._rows = np.zeros((self.threads, width), dtype=self._dtype)
 
     def _share(self) -> None:
         """Order the free shared nodes: those with two copies first, every second one, and last those with more."""
@@ -99,12 +101,12 @@ class BlockLevel:
         numbers = [np.concatenate(([0], ends)).astype(np.int64)]
         numbers += [part[entries].astype(np.int64) for part in (copies.block, copies.i, copies.j)]
         turn = np.ascontiguousarray(copies.turn[:, entries].T)
-        inverse = np.zeros((len(nodes), 3), dtype=np.float32)
-        stencil = np.zeros((len(entries), _STENCIL), dtype=np.float32)
+        inverse = np.zeros((len(nodes), 3), dtype=self._dtype)
+        stencil = np.zeros((len(entries), _STENCIL), dtype=self._dtype)
         arrays: list[npt.NDArray[Any]] = [*numbers, turn, inverse, stencil]
         self._shared = _Shared(len(nodes), *(array.ctypes.data for array in arrays))
         node, line = np.zeros(len(nodes), dtype=np.int64), np.zeros(len(entries), dtype=np.int64)
-        self._along, of_lines = np.zeros((0, 4), dtype=np.float32), np.zeros_like(inverse)
+        self._along, of_lines = np.zeros((0, 4), dtype=self._dtype), np.zeros_like(inverse)
         crossing: list[npt.NDArray[Any]] = [
             node,
             of_lines,
@@ -134,7 +136,7 @@ class BlockLevel:
     def factor(self) -> bool:
         """Eliminate along lines, and invert the blocks of shared nodes; return whether all are usable."""
         while (unusable := self._library.factor_blocks(self._reference)) < 0:
-            self._along = np.zeros((max(4 * len(self._along), 4096), 4), dtype=np.float32)
+            self._along = np.zeros((max(4 * len(self._along), 4096), 4), dtype=self._dtype)
             self.crossing.most, self.crossing.along = len(self._along), self._along.ctypes.data
         return bool(unusable == 0)
 
@@ -165,16 +167,17 @@ def plan_levels(
     bonds: Sequence[Bond],
     planes: Sequence[Array],
     factor: float,
+    dtype: type[np.floating[Any]],
 ) -> list[BlockLevel]:
     """Choose and set up the levels for the Hessians of blocks, times a factor."""
-    lines = Lines.of(bonds, direction_groups(bonds, len(fixed)), [mask.shape for mask in fixed])
-    levels = [BlockLevel(library, copies, fixed, lines)]
+    lines = lines_of(tuple(bonds), tuple(mask.shape for mask in fixed))
+    levels = [BlockLevel(library, copies, fixed, lines, dtype=dtype)]
     levels[0].take(planes, factor)
     while (coarsening := levels[-1].coarsening()) is not None:
         fine = levels[-1]
         kept = zip(fine.fixed, coarsening.kept, strict=True)
         masks = [np.ascontiguousarray(mask[rows][:, columns]) for mask, (rows, columns) in kept]
         lines, copies = fine.lines.coarsened(coarsening), coarsening.copies(fine.copies)
-        levels.append(BlockLevel(library, copies, masks, lines, coarsening))
+        levels.append(BlockLevel(library, copies, masks, lines, coarsening, dtype))
         levels[-1].coarsen_from(fine)
     return levels

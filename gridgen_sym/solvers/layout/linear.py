@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from .sparse import LayoutMatrix
 
 #: So many steps of conjugate gradients are a failure, and so many numbers can be factorized in some seconds.
 _MANY, _LARGEST = 40, 800_000
+#: Where the square of height over length of cells across a connection is less, single precision may fail.
+_THIN = 1e-4
 
 
 class LayoutDirectSolver:
@@ -43,38 +46,52 @@ class LayoutDirectSolver:
 
 
 class LayoutIterativeSolver:
-    """Multigrid, and where it fails at very thin cells across connections a factorization from then on.
+    """Multigrid; where single precision fails at very thin cells across connections, in double precision from then on.
 
     Columns of thin cells move with a node on a connection, held by couplings that are smaller than the largest ones by
-    the square of the aspect ratio: beyond some thousands single precision does not resolve them.
+    the square of the aspect ratio: beyond some thousands single precision does not resolve them. Where double precision
+    does not, either, a factorization takes over, unless there are too many nodes.
     """
 
-    def __init__(self, multigrid: LayoutMultigrid, direct: Callable[[], LayoutDirectSolver]) -> None:
-        """Begin with multigrid; `direct` makes the other solver."""
-        self._multigrid, self._make_direct = multigrid, direct
-        self._direct: LayoutDirectSolver | None = None
-        self._planes: list[Array] = []
+    def __init__(self, make: Callable[..., LayoutMultigrid], direct: Callable[[], LayoutDirectSolver]) -> None:
+        """Begin with single precision; `make` makes a multigrid, `direct` the last resort."""
+        self._now: LayoutMultigrid | LayoutDirectSolver = make()
+        self._precise: LayoutMultigrid | None = None
+        self._make, self._make_direct, self._planes = make, direct, list[Array]()
 
     def set_operator(self, planes: list[Array]) -> bool:
         """Take the Hessians of the blocks."""
         self._planes = planes
-        return (self._direct or self._multigrid).set_operator(planes)
+        return self._now.set_operator(planes)
 
     def solve(self, right: Array, tolerance: float) -> Solution:
         """Solve; `right` is consistent, one array of all blocks."""
-        if self._direct is not None:
-            return self._direct.solve(right, tolerance)
-        found = self._multigrid.solve(right, tolerance)
-        if (found.positive and found.iterations < _MANY) or not self._may_switch(right):
+        now, found = self._now, self._now.solve(right, tolerance)
+        if _is_good(found) or isinstance(now, LayoutDirectSolver) or now.levels[0].crossing.weakest > _THIN:
             return found
+        if now is not self._precise:
+            self._precise = self._precise or self._make(precise=True)
+            if not self._precise.set_operator(self._planes):
+                return found
+            again = self._precise.solve(right, tolerance)
+            if _is_good(again):
+                self._now = self._precise
+                return again
+            if not again.positive:  # It is the Hessian that is not.
+                return found
+            found = again
+        return found if right.size > _LARGEST else self._solve_directly(right, tolerance, found)
+
+    def _solve_directly(self, right: Array, tolerance: float, found: Solution) -> Solution:
         direct = self._make_direct()
         if not direct.set_operator(self._planes):
             return found
-        self._direct = direct
+        self._now = direct
         return direct.solve(right, tolerance)
 
-    def _may_switch(self, right: Array) -> bool:
-        return right.size <= _LARGEST and self._multigrid.levels[0].crossing.count > 0
+
+def _is_good(found: Solution) -> bool:
+    return found.positive and found.iterations < _MANY
 
 
 def layout_solver(
@@ -86,5 +103,5 @@ def layout_solver(
         return LayoutDirectSolver(exchange, copies, fixed)
 
     if backend == "c":
-        return LayoutIterativeSolver(LayoutMultigrid(exchange, copies, fixed, bonds), direct)
+        return LayoutIterativeSolver(partial(LayoutMultigrid, exchange, copies, fixed, bonds), direct)
     return direct()

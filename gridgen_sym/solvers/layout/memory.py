@@ -21,7 +21,7 @@ _FIELDS = [name for name, _ in Level._fields_]  # type: ignore[misc]
 
 
 class BlockMemory:
-    """Operators, pivots and vectors in single precision, with margins: see `MARGIN`.
+    """Operators, pivots and vectors, with margins: see `MARGIN`.
 
     Attributes:
         blocks, relaxed: the blocks as compiled code sees them, (blocks, fields of `Level`): with all rows, and with the
@@ -35,8 +35,8 @@ class BlockMemory:
         row_begin: the number of its first row among those of all blocks.
     """
 
-    def __init__(self, fixed: Sequence[Mask], coarsening: Coarsening | None = None) -> None:
-        """Allocate for the nodes of masks; `coarsening` has led to them from a finer level."""
+    def __init__(self, fixed: Sequence[Mask], coarsening: Coarsening | None, dtype: type[np.floating[Any]]) -> None:
+        """Allocate for the nodes of masks, to which `coarsening` has led from a finer level; `dtype` of all numbers."""
         ni, nj = np.array([mask.shape for mask in fixed], dtype=np.int64).T
         self.strides = np.array([stride_of(int(count) + 1) for count in nj], dtype=np.int64)
         ends = np.cumsum((ni + sum(MARGIN)) * self.strides)
@@ -46,7 +46,7 @@ class BlockMemory:
         self.row_begin = np.concatenate(([0], np.cumsum(ni)[:-1])).astype(np.int64)
         # One row more: what is multiplied by the margin's zeros is read from there.
         self.operator, pivots_i, pivots_j, self.right, self.solution, work = (
-            np.zeros(count * int(ends[-1] + self.strides[-1]), dtype=np.float32)
+            np.zeros(count * int(ends[-1] + self.strides[-1]), dtype=dtype)
             for count in (_OPERATOR, _PIVOT, _PIVOT, _VECTOR, _VECTOR, _VECTOR)
         )
         masks, begin_of_masks = _padded(fixed)

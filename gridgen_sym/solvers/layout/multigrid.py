@@ -28,9 +28,12 @@ _MOST_ITERATIONS = 200
 class LayoutMultigrid:
     """Solves with the Hessians (19, ni, nj) of blocks, each of its own cells."""
 
-    def __init__(self, exchange: Exchange, copies: Copies, fixed: Sequence[Mask], bonds: Sequence[Bond]) -> None:
-        """Keep the layout; the levels are chosen for the first Hessian."""
-        self.library = load_library("blocks")
+    def __init__(
+        self, exchange: Exchange, copies: Copies, fixed: Sequence[Mask], bonds: Sequence[Bond], *, precise: bool = False
+    ) -> None:
+        """Keep the layout; the levels are chosen for the first Hessian. `precise` ones have double precision."""
+        self.library = load_library("blocks_in_double" if precise else "blocks")
+        self._dtype: type[np.floating[Any]] = np.float64 if precise else np.float32
         self._exchange, self._copies, self._fixed, self._bonds = exchange, copies, list(fixed), tuple(bonds)
         self.levels: list[BlockLevel] = []
         self._structures: Any = None
@@ -55,7 +58,9 @@ class LayoutMultigrid:
 
     def _plan(self, planes: list[Array]) -> None:
         """Choose and set up the levels."""
-        self.levels = plan_levels(self.library, self._copies, self._fixed, self._bonds, planes, 1 / self._size)
+        self.levels = plan_levels(
+            self.library, self._copies, self._fixed, self._bonds, planes, 1 / self._size, self._dtype
+        )
         self._structures = (LevelStructure * len(self.levels))(*(level.structure for level in self.levels))
         self._vectors = BlockVectors(self.levels[0], self.library)
         last = self.levels[-1]

@@ -9,8 +9,7 @@ from ...arrays import Array
 from ...errors import UnusableValueError
 from ...functionals.definition import Functional
 from ...topology import MultiBlock
-from ...topology.directions import direction_groups
-from ...topology.lines import Coarsening, Lines
+from ...topology.lines import Coarsening, lines_of
 from ..multilevel.prolongation import interpolate
 from ..newton.minimize import minimize
 from ..run.progress import Progress
@@ -110,6 +109,6 @@ def _coarsening(layout: MultiBlock) -> Coarsening | None:
     """Return which lines a coarser layout keeps; None where there is none."""
     if layout.node_count < _FEW:
         return None
-    lines = Lines.of(layout.bonds, direction_groups(layout.bonds, len(layout)), [grid.shape for grid in layout.blocks])
+    lines = lines_of(layout.bonds, tuple(grid.shape for grid in layout.blocks))
     groups = lines.groups(_LEAST, _MOST)
     return lines.coarsening(groups, _LEAST) if groups else None

@@ -13,6 +13,8 @@ typedef struct {
   int64_t *line;      /* for each entry of the shared nodes: where its line begins in `along`, or -1 */
   float *along;       /* phi at the nodes of all lines: xx, xy, yx, yy each */
   uint8_t *blocks;    /* whether a block has such lines */
+  double weakest;     /* the least part of a node's own block that is not coupled with these lines: of thin cells, about
+                         the square of height over length */
 } Crossing;
 
 /* Where the inner nodes of the line into a block lie, from a node inside a side; the number is 0 at a corner. */
@@ -85,18 +87,18 @@ static Block eliminate_inward(const Level *level, int64_t i, int64_t j, Inward i
 /* Part of a shared node's own block above which the couplings across the connection are strong. */
 #define STRONG 0.8
 
-/* Whether a node lies inside sides only, and couples strongly across them. */
-static int crosses(const Level *levels, const Shared *nodes, int64_t n) {
+/* The part of a node's own block that is not coupled with the lines across the sides that it lies inside; 1 at a corner. */
+static double part_beside_lines(const Level *levels, const Shared *nodes, int64_t n) {
   double own = 0.0, across = 0.0;
   for (int64_t e = nodes->starts[n]; e < nodes->starts[n + 1]; ++e) {
     const Level *level = levels + nodes->block[e];
     const int64_t i = nodes->i[e], j = nodes->j[e];
     const Inward in = inward(level, i, j);
-    if (in.count == 0) return 0;
+    if (in.count == 0) return 1.0;
     const Block itself = block_of(level, i, j, 0, 0), next = block_of(level, i, j, in.di, in.dj);
     own += itself.xx + itself.yy, across += fabs(next.xx + next.yy);
   }
-  return across > STRONG * own;
+  return own > 0.0 ? 1.0 - across / own : 1.0;
 }
 
 /* Find the nodes, and their vectors phi; there is room for `most` nodes on lines. Returns how many there are, or -1 if
@@ -104,9 +106,12 @@ static int crosses(const Level *levels, const Shared *nodes, int64_t n) {
 static int64_t find_crossing(const Level *levels, int64_t blocks, const Shared *nodes, Crossing *crossing) {
   int64_t found = 0, used = 0;
   memset(crossing->blocks, 0, (size_t)blocks);
+  crossing->weakest = 1.0;
   for (int64_t n = 0; n < nodes->count; ++n) {
     for (int64_t e = nodes->starts[n]; e < nodes->starts[n + 1]; ++e) crossing->line[e] = -1;
-    if (!crosses(levels, nodes, n)) continue;
+    const double part = part_beside_lines(levels, nodes, n);
+    if (!(part < 1.0 - STRONG)) continue;
+    if (part < crossing->weakest) crossing->weakest = part;
     double sum[3] = {0.0, 0.0, 0.0};
     for (int64_t e = nodes->starts[n]; e < nodes->starts[n + 1]; ++e) {
       const Level *level = levels + nodes->block[e];

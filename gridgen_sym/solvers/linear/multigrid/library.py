@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import ctypes
+import re
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
 from ....runtime import open_library
 
-Stencil = Literal["symmetric", "general", "blocks"]
+Stencil = Literal["symmetric", "general", "blocks", "blocks_in_double"]
+#: What is added to the name of a library in double precision.
+_IN_DOUBLE = "_in_double"
 #: The C files of one translation unit, in their order.
 _LEVELS, _KRYLOV = ("operators", "lines", "cycle"), ("v_cycle", "products", "fields", "vectors")
 _BLOCKS = ("blocks", "crossing_lines", "block_levels", "block_gradients")
@@ -36,8 +39,9 @@ class Level(ctypes.Structure):
 
 def library_source(stencil: Stencil) -> str:
     """Return the C source for a kind of stencil, as one translation unit."""
-    folder = Path(__file__).parent
-    return "\n".join((folder / f"{part}.c").read_text(encoding="utf-8") for part in _PARTS[stencil])
+    folder, parts = Path(__file__).parent, _PARTS[stencil.removesuffix(_IN_DOUBLE)]
+    source = "\n".join((folder / f"{part}.c").read_text(encoding="utf-8") for part in parts)
+    return re.sub(r"\bfloat\b", "double", source) if stencil.endswith(_IN_DOUBLE) else source
 
 
 _POINTER, _INTEGER, _NUMBER = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
@@ -48,7 +52,7 @@ _COMMON: dict[str, tuple[list[Any], Any]] = {
 }
 _SOLVE = [_POINTER, _INTEGER, _POINTER, _POINTER, _POINTER, _NUMBER, _INTEGER, _NUMBER, _POINTER]
 #: The functions that each library has beside them: the types of their arguments and of their result.
-_OWN: dict[Stencil, dict[str, tuple[list[Any], Any]]] = {
+_OWN: dict[str, dict[str, tuple[list[Any], Any]]] = {
     "symmetric": {"solve": (_SOLVE, _INTEGER)},
     "general": {"solve": (_SOLVE, _INTEGER)},
     "blocks": {
@@ -68,11 +72,11 @@ _OWN: dict[Stencil, dict[str, tuple[list[Any], Any]]] = {
 }
 
 
-@lru_cache(maxsize=3)
+@lru_cache(maxsize=4)
 def load_library(stencil: Stencil) -> ctypes.CDLL:
     """Compile and load for symmetric stencils, with conjugate gradients, for general ones, with BiCGStab, or blocks."""
     library = open_library(f"multigrid_{stencil}", library_source(stencil))
-    signatures = _COMMON | _OWN[stencil]
+    signatures = _COMMON | _OWN[stencil.removesuffix(_IN_DOUBLE)]
     for name, (arguments, result) in signatures.items():
         function = getattr(library, name)
         function.argtypes, function.restype = arguments, result
