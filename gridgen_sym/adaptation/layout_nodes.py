@@ -8,6 +8,7 @@ differences of the hierarchical indicator are those of each block.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -45,7 +46,7 @@ class LayoutNodes:
         self._beyond = self._sums(self._join(self._outer.counts))
         self.x, self.y = (self._join([grid.planes[axis] for grid in layout.blocks]) for axis in (0, 1))
 
-    @property
+    @cached_property
     def areas(self) -> Array:
         """The areas of the cells."""
         return self._join([cell_areas(grid) for grid in self._layout.blocks])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -74,7 +75,8 @@ class Nodes(Protocol):
 
 def mean_of(nodes: Nodes, values: Array) -> float:
     """Return the mean of values at the nodes over the area of the grid."""
-    return float((nodes.cell_means(values) * nodes.areas).sum() / nodes.areas.sum())
+    areas = nodes.areas
+    return float((nodes.cell_means(values) * areas).sum() / areas.sum())
 
 
 class BlockNodes:
@@ -84,7 +86,7 @@ class BlockNodes:
         """Take a grid."""
         self._grid, self.x, self.y = grid, grid.x, grid.y
 
-    @property
+    @cached_property
     def areas(self) -> Array:
         """The areas of the cells."""
         return cell_areas(self._grid)

@@ -12,7 +12,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "adaptation.md").read_text(encoding
 
 def test_its_python_runs():
     blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block, "adaptation.md", "exec"), names)
