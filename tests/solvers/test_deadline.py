@@ -131,7 +131,7 @@ def test_every_damped_step_of_the_equations_asks():
     equations = Equations(make_problem(start, "winslow"))
     residual = equations.residual(start.planes)
     with pytest.raises(StopRequest):
-        equations_newton._reduce(equations, None, start.planes, residual, (1.0, np.inf), np.inf, deadline)
+        equations_newton._reduce(equations, start.planes, residual, (1.0, np.inf), np.inf, deadline)
     assert deadline.asked == 4
 
 
