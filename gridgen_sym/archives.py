@@ -43,11 +43,11 @@ def check_packing(packed: int, unpacked: int, what: str) -> None:
         )
 
 
-def read_arrays(data: bytes, forms: tuple[tuple[str, ...], ...], expected: str) -> dict[str, Array]:
+def read_arrays(data: bytes | IO[bytes], forms: tuple[tuple[str, ...], ...], expected: str) -> dict[str, Array]:
     """Return arrays of real numbers from a NumPy archive.
 
     Args:
-        data: the archive.
+        data: the archive, or an open file.
         forms: sets of names; the arrays of the first one that is there are read.
         expected: what the message of an error says of these.
 
@@ -56,7 +56,7 @@ def read_arrays(data: bytes, forms: tuple[tuple[str, ...], ...], expected: str) 
             that it would fill the memory.
     """
     try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        with zipfile.ZipFile(io.BytesIO(data) if isinstance(data, bytes) else data) as archive:
             names = {name.removesuffix(".npy"): name for name in archive.namelist()}
             for form in forms:
                 if names.keys() >= set(form):

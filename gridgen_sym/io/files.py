@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from ..arrays import Mask
-from ..atomic import check_target, opened, read_bytes, shown, write_bytes, write_folder
+from ..atomic import check_target, opened, shown, write_bytes, write_folder
 from ..errors import GridgenError, MissingExtraError
 from ..grids.grid import Grid, check_grid
 from .format import Blocks, Format, Storage
@@ -61,7 +61,7 @@ def _decoded(form: Format, words: frozenset[str], path: str | os.PathLike[str]) 
     assert form.decode  # format_for has seen to it.
     options: dict[str, Any] = {}
     if form.storage is Storage.FILE_AND_FOLDER:
-        options["beside"] = lambda name: read_bytes(Path(path).parent / name)
+        options["beside"] = lambda name: opened(Path(path).parent / name)
     given = (words,) if form.forms else ()
     with opened(path) as stream:
         data = stream if form.streamed else stream.read()

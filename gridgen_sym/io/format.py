@@ -58,7 +58,7 @@ class Format:
         decode: returns a `Grid` or `Blocks` from the bytes of a file; None where such files are only written. It
             raises `GridgenError` for everything else than a whole file of the format, and knows nothing of the disk.
             With `forms` it takes the words that the user gave as a second argument; with a folder beside the file it
-            takes `beside`, which returns the bytes of a file with a path relative to it, as a keyword.
+            takes `beside`, which opens a file with a path relative to it, as a keyword.
         encode: returns the bytes of a file, in one or in pieces, of a `Grid` or, if the format holds several blocks, of
             `Blocks`; None where such files are only read. With `forms` it takes the user's words as a second argument.
             With a folder it returns a mapping from names of files to their bytes; the file beside a folder has the name

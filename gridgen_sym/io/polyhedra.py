@@ -103,5 +103,5 @@ class _Edges:
 
 def _keys(edges: Indices, count: int) -> Indices:
     """Return one number for each edge, whatever its direction."""
-    keys: Indices = edges.min(axis=1) * count + edges.max(axis=1)
+    keys: Indices = edges.min(axis=1).astype(np.int64) * count + edges.max(axis=1)
     return keys

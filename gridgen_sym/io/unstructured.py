@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..boundary.sides import Sides
 from ..errors import GridgenError, quoted
-from ..grids.grid import corner_jacobians
+from ..grids.grid import Grid, boundary_indices
 from ..topology.components import component_numbers
 from ..topology.connection import IDENTITY, SidePart
 from ..topology.copies import Bond
 from .format import Blocks
 
-Indices = NDArray[np.intp]
+Indices = NDArray[np.integer[Any]]
 #: Rows of text that are made at once.
 _ROWS = 1 << 15
 
@@ -75,22 +75,26 @@ def mesh_of(blocks: Blocks) -> Mesh:
     offsets = np.cumsum([0, *(ni * nj for ni, nj in shapes)])
     bonds = [bond for bond in blocks.bonds or () if bond.motion == IDENTITY]
     numbers, first = _numbered(bonds, shapes, offsets)
-    points = np.concatenate([grid.planes.reshape(2, -1) for grid in blocks.grids], axis=1)[:, first].T
-    clockwise = [bool(corner_jacobians(grid.x, grid.y).sum() < 0) for grid in blocks.grids]
+    points = np.empty((len(first), 2))
+    for axis in range(2):
+        points[:, axis] = np.concatenate([grid.planes[axis].ravel() for grid in blocks.grids])[first]
+    clockwise = [_runs_clockwise(grid) for grid in blocks.grids]
     cells = [
         _cells(numbers[offsets[k] : offsets[k + 1]].reshape(shape), flip=clockwise[k]) for k, shape in enumerate(shapes)
     ]
     starts = np.cumsum([0, *map(len, cells)])
     names = tuple(name for name, _ in blocks.described)
     patches = _patches(blocks, _Edges(numbers, offsets, shapes, clockwise))
-    return Mesh(np.ascontiguousarray(points), np.concatenate(cells), tuple(starts.tolist()), names, tuple(patches))
+    every = cells[0] if len(cells) == 1 else np.concatenate(cells)
+    return Mesh(points, every, tuple(starts.tolist()), names, tuple(patches))
 
 
 def _numbered(bonds: Sequence[Bond], shapes: Sequence[tuple[int, int]], offsets: Indices) -> tuple[Indices, Indices]:
     """Return the number of every node of every block, and for each number the first node that has it."""
     count = int(offsets[-1])
     if not bonds:
-        return np.arange(count), np.arange(count)
+        numbers = np.arange(count, dtype=_kind(count))
+        return numbers, numbers
     pairs: list[list[Indices]] = [[], []]
     for bond in bonds:
         for part, (i, j), found in zip((bond.one, bond.other), bond.indices(shapes), pairs, strict=True):
@@ -100,13 +104,28 @@ def _numbered(bonds: Sequence[Bond], shapes: Sequence[tuple[int, int]], offsets:
     order = np.argsort(first)  # Numbers in the order in which nodes come for the first time.
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    return rank[numbers.ravel()], first[order]
+    return rank[numbers.ravel()].astype(_kind(count)), first[order]
+
+
+def _kind(count: int) -> type[np.integer[Any]]:
+    """Return the type of numbers below a count."""
+    return np.int32 if count < 1 << 31 else np.int64
+
+
+def _runs_clockwise(grid: Grid) -> bool:
+    """Return whether the boundary, from the left over the bottom, has a negative area within it."""
+    i, j = boundary_indices(*grid.shape).T
+    x, y = grid.x[i, j] - grid.x[0, 0], grid.y[i, j] - grid.y[0, 0]
+    return bool((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0)
 
 
 def _cells(numbers: Indices, *, flip: bool) -> Indices:
     """Return the corners of the cells of a block, counter-clockwise, with eta running fastest."""
     corners = [numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:]]
-    return np.stack([corner.ravel() for corner in (corners[::-1] if flip else corners)], axis=1)
+    cells = np.empty((corners[0].size, 4), dtype=numbers.dtype)
+    for number, corner in enumerate(corners[::-1] if flip else corners):
+        cells[:, number] = corner.ravel()
+    return cells
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,8 +205,17 @@ def check_names(mesh: Mesh, what: str, forbidden: str) -> None:
             )
 
 
-def lines_of(numbers: NDArray[Any], row: str) -> Iterator[bytes]:
-    """Yield text: for each row of numbers a line of a form such as `3 %d %d`, many at once."""
-    for begin in range(0, len(numbers), _ROWS):
-        rows = numbers[begin : begin + _ROWS]
+def lines_of(row: str, *columns: NDArray[Any], first: int | None = None, add: int = 0) -> Iterator[bytes]:
+    """Yield text: for each row of numbers a line of a form such as `3 %d %d`, many at once.
+
+    Args:
+        row: the form.
+        columns: arrays (n,) or (n, k), side by side.
+        first: where rows are numbered, in a first column, the number of the first one.
+        add: what is added to all numbers of the columns.
+    """
+    for begin in range(0, len(columns[0]), _ROWS):
+        parts = [column[begin : begin + _ROWS] + add for column in columns]
+        counted = [] if first is None else [np.arange(first + begin, first + begin + len(parts[0]))]
+        rows = np.column_stack([*counted, *parts])
         yield ((row * len(rows)) % tuple(rows.ravel().tolist())).encode("utf-8")

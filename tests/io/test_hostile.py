@@ -28,7 +28,11 @@ def decoded(name, data):
     """What a format makes of a file."""
     form = READ[name]
     given = ((),) if form.forms else ()
-    more = {"beside": lambda file: whole("vts")} if form.storage is Storage.FILE_AND_FOLDER else {}
+    more = (
+        {"beside": lambda file: contextlib.nullcontext(io.BytesIO(whole("vts")))}
+        if form.storage is Storage.FILE_AND_FOLDER
+        else {}
+    )
     found = form.decode(io.BytesIO(data) if form.streamed else data, *given, **more)
     return Blocks((found,)) if isinstance(found, gg.Grid) else found
 

@@ -63,10 +63,11 @@ def test_a_format_is_found_by_listing(tmp_path, monkeypatch):
     """A file that is put there is read and written, is in the list, and its errors name the path."""
     (tmp_path / "formats").mkdir()
     (tmp_path / "formats" / "reversed.py").write_text(
+        "import io\n"
         "from gridgen_sym.io.format import Format\n"
         "from gridgen_sym.io.formats import table\n"
-        "decode = lambda data: table.decode(data[::-1])\n"
-        "encode = lambda grid: table.encode(grid)[::-1]\n"
+        "decode = lambda data: table.decode(io.BytesIO(data[::-1]))\n"
+        "encode = lambda grid: b''.join(table.encode(grid))[::-1]\n"
         "FORMAT = Format(name='reversed table', suffixes=('.vsc',), decode=decode, encode=encode)\n"
     )
     monkeypatch.setattr(formats, "__path__", [*formats.__path__, str(tmp_path / "formats")])

@@ -71,8 +71,8 @@ def _nodes(mesh: Mesh) -> Iterator[bytes]:
     yield f"$Nodes\n{len(owned)} {count} 1 {count}\n".encode("ascii")
     for dimension, tag, nodes in owned:
         yield f"{dimension} {tag} 0 {len(nodes)}\n".encode("ascii")
-        yield from lines_of(nodes + 1, "%d\n")
-        yield from lines_of(mesh.points[nodes], _NODE)
+        yield from lines_of("%d\n", nodes, add=1)
+        yield from lines_of(_NODE, mesh.points[nodes])
     yield b"$EndNodes\n"
 
 
@@ -83,18 +83,13 @@ def _elements(mesh: Mesh) -> Iterator[bytes]:
     first = 1
     for tag, patch in enumerate(mesh.patches, start=1):
         yield f"1 {tag} {_LINE} {len(patch.edges)}\n".encode("ascii")
-        yield from _numbered(patch.edges, first, "%d %d %d\n")
+        yield from lines_of("%d %d %d\n", patch.edges, first=first, add=1)
         first += len(patch.edges)
     for tag, (begin, end) in enumerate(zip(mesh.starts[:-1], mesh.starts[1:], strict=True), start=1):
         yield f"2 {tag} {_QUADRILATERAL} {end - begin}\n".encode("ascii")
-        yield from _numbered(mesh.cells[begin:end], first, "%d %d %d %d %d\n")
+        yield from lines_of("%d %d %d %d %d\n", mesh.cells[begin:end], first=first, add=1)
         first += end - begin
     yield b"$EndElements\n"
-
-
-def _numbered(corners: Indices, first: int, row: str) -> Iterator[bytes]:
-    """Yield lines of elements: their numbers from `first` on, and their nodes, which are counted from 1."""
-    return lines_of(np.column_stack((np.arange(first, first + len(corners)), corners + 1)), row)
 
 
 FORMAT = Format(

@@ -30,14 +30,14 @@ def encode(blocks: Blocks) -> Iterator[bytes]:
 def _pieces(mesh: Mesh) -> Iterator[bytes]:
     yield f"MFEM mesh v1.3\n\ndimension\n2\n\nelements\n{len(mesh.cells)}\n".encode("ascii")
     attributes = np.repeat(np.arange(1, len(mesh.starts)), np.diff(mesh.starts))
-    yield from lines_of(np.column_stack((attributes, mesh.cells)), f"%d {_SQUARE} %d %d %d %d\n")
+    yield from lines_of(f"%d {_SQUARE} %d %d %d %d\n", attributes, mesh.cells)
     yield _sets("attribute_sets", [name.replace('"', "'") for name in mesh.names])
     yield f"\nboundary\n{sum(len(patch.edges) for patch in mesh.patches)}\n".encode("ascii")
     for attribute, patch in enumerate(mesh.patches, start=1):
-        yield from lines_of(patch.edges, f"{attribute} {_SEGMENT} %d %d\n")
+        yield from lines_of(f"{attribute} {_SEGMENT} %d %d\n", patch.edges)
     yield _sets("bdr_attribute_sets", [patch.name for patch in mesh.patches])
     yield f"\nvertices\n{len(mesh.points)}\n2\n".encode("ascii")
-    yield from lines_of(mesh.points, "%.17g %.17g\n")
+    yield from lines_of("%.17g %.17g\n", mesh.points)
     yield b"\nmfem_mesh_end\n"
 
 

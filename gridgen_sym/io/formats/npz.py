@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
+from typing import BinaryIO
 
 import numpy as np
 
@@ -11,23 +13,26 @@ from ...grids.grid import Grid
 from ..format import Format
 
 _EXPECTED = "expected the array 'xy' (ni, nj, 2), or 'x' and 'y' (ni, nj)"
+_PIECE = 1 << 20
 
 
-def encode(grid: Grid) -> bytes:
-    """Return the grid as a NumPy archive with the one array ``xy``, shape (ni, nj, 2)."""
+def encode(grid: Grid) -> Iterator[bytes]:
+    """Return the pieces of a NumPy archive with the one array ``xy``, shape (ni, nj, 2)."""
     stream = io.BytesIO()
     np.savez(stream, xy=grid.xy)
-    return stream.getvalue()
+    stream.seek(0)
+    while piece := stream.read(_PIECE):
+        yield piece
 
 
-def decode(data: bytes) -> Grid:
+def decode(stream: BinaryIO) -> Grid:
     """Return the grid of a NumPy archive with the array ``xy``, shape (ni, nj, 2), or ``x`` and ``y``, (ni, nj).
 
     Raises:
         GridgenError: if the archive is damaged, holds Python objects, has no such arrays, or is packed so tightly that
             it can hold no grid.
     """
-    arrays = read_arrays(data, (("xy",), ("x", "y")), _EXPECTED)
+    arrays = read_arrays(stream, (("xy",), ("x", "y")), _EXPECTED)
     return Grid(arrays["xy"]) if "xy" in arrays else Grid.from_planes(arrays["x"], arrays["y"])
 
 
@@ -37,6 +42,7 @@ FORMAT = Format(
     decode=decode,
     encode=encode,
     binary=True,
+    streamed=True,
     writes="the array `xy` of shape (ni, nj, 2)",
     reads="also `x` and `y` of shape (ni, nj), and compressed archives",
     test="tests/io/test_files.py::test_npz_of_other_writers",

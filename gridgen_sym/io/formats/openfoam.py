@@ -57,21 +57,21 @@ def _head(kind: str, name: str, note: str = "") -> bytes:
 
 def _points(layer: Layer) -> Iterator[bytes]:
     yield _head("vectorField", "points") + f"{len(layer.points)}\n(\n".encode("ascii")
-    yield from lines_of(layer.points, "(%.17g %.17g %.17g)\n")
+    yield from lines_of("(%.17g %.17g %.17g)\n", layer.points)
     yield b")\n"
 
 
 def _faces(layer: Layer, count: int) -> Iterator[bytes]:
     yield _head("faceList", "faces") + f"{count}\n(\n".encode("ascii")
     for faces in (layer.inner, *layer.outer, layer.back, layer.front):
-        yield from lines_of(faces, "4(%d %d %d %d)\n")
+        yield from lines_of("4(%d %d %d %d)\n", faces)
     yield b")\n"
 
 
 def _labels(name: str, note: str, parts: Sequence[Indices]) -> Iterator[bytes]:
     yield _head("labelList", name, note) + f"{sum(map(len, parts))}\n(\n".encode("ascii")
     for part in parts:
-        yield from lines_of(part, "%d\n")
+        yield from lines_of("%d\n", part)
     yield b")\n"
 
 

@@ -30,13 +30,13 @@ def encode(blocks: Blocks) -> Iterator[bytes]:
 
 def _pieces(mesh: Mesh) -> Iterator[bytes]:
     yield f"NDIME= 2\nNELEM= {len(mesh.cells)}\n".encode("ascii")
-    yield from lines_of(np.column_stack((mesh.cells, np.arange(len(mesh.cells)))), f"{_QUADRILATERAL} %d %d %d %d %d\n")
+    yield from lines_of(f"{_QUADRILATERAL} %d %d %d %d %d\n", mesh.cells, np.arange(len(mesh.cells)))
     yield f"NPOIN= {len(mesh.points)}\n".encode("ascii")
-    yield from lines_of(mesh.points, "%.17g %.17g\n")
+    yield from lines_of("%.17g %.17g\n", mesh.points)
     yield f"NMARK= {len(mesh.patches)}\n".encode("ascii")
     for patch in mesh.patches:
         yield f"MARKER_TAG= {patch.name}\nMARKER_ELEMS= {len(patch.edges)}\n".encode()
-        yield from lines_of(patch.edges, f"{_LINE} %d %d\n")
+        yield from lines_of(f"{_LINE} %d %d\n", patch.edges)
 
 
 FORMAT = Format(

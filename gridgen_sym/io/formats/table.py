@@ -1,10 +1,13 @@
-"""Grids as tables: CSV with the columns i, j, x, y."""
+"""Grids as tables: CSV with the columns i, j, x, y in any order, among others."""
 
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
+from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...errors import GridgenError, quoted, shortened
@@ -12,20 +15,29 @@ from ...grids.grid import Grid
 from ..format import Format
 
 HEADER = "i,j,x,y"
+_COLUMNS = HEADER.split(",")
+#: Bytes of a table that are read, and nodes that are written at once.
+_PIECE, _ROWS = 1 << 20, 1 << 15
+#: An index is below this.
+_MOST = 1 << 31
+Indices = NDArray[np.int32]
 
 
-def encode(grid: Grid) -> bytes:
-    """Return the grid as a CSV table: the header ``i,j,x,y``, then one line for each node.
+def encode(grid: Grid) -> Iterator[bytes]:
+    """Return the pieces of a CSV table: the header ``i,j,x,y``, then one line for each node.
 
     The last node comes first: its line holds the size, so that a table cut short anywhere is noticed.
     """
-    columns = (*np.indices(grid.shape), grid.x, grid.y)
-    rows = zip(*(column.ravel()[::-1].tolist() for column in columns), strict=True)
-    lines = [HEADER, *(f"{i},{j},{x:.17g},{y:.17g}" for i, j, x, y in rows), ""]
-    return "\n".join(lines).encode("ascii")
+    yield f"{HEADER}\n".encode("ascii")
+    nj = grid.shape[1]
+    for end in range(grid.x.size, 0, -_ROWS):
+        places = np.arange(end - 1, max(0, end - _ROWS) - 1, -1)
+        i, j = np.divmod(places, nj)
+        rows = zip(i.tolist(), j.tolist(), grid.x[i, j].tolist(), grid.y[i, j].tolist(), strict=True)
+        yield "".join([f"{i},{j},{x:.17g},{y:.17g}\n" for i, j, x, y in rows]).encode("ascii")
 
 
-def decode(data: bytes) -> Grid:
+def decode(stream: BinaryIO) -> Grid:
     """Return the grid of a CSV table whose rows come in any order.
 
     Raises:
@@ -33,53 +45,74 @@ def decode(data: bytes) -> Grid:
             or a last line without an end: if that line was cut inside a number, what is left is still a
                 number, but a wrong one.
     """
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise GridgenError(f"byte {error.start} is not text; expected the header '{HEADER}'") from error
-    header, _, body = text.partition("\n")
-    if header.replace(" ", "").strip().lower() != HEADER:
-        raise GridgenError(f"line 1 is {quoted(header.strip(), 60)}; expected the header '{HEADER}'")
-    if not body.strip():
-        raise GridgenError("it has a header and no rows; expected one row for each node")
-    if not body.endswith("\n"):
+    header = stream.readline(_PIECE)
+    columns = _columns(header)
+    if columns is None:
+        text = header.decode("utf-8-sig", errors="replace").strip()
+        raise GridgenError(f"line 1 is {quoted(text, 60)}; expected the header '{HEADER}'")
+    parts: list[tuple[Indices, Array]] = []
+    line, rest = 2, b""
+    while data := stream.read(_PIECE):
+        piece, end, rest = (rest + data).rpartition(b"\n")
+        if piece.strip():
+            parts.append(_rows(piece, columns, line))
+        line += piece.count(b"\n") + bool(end)
+    if rest.strip():
         raise GridgenError("its last line has no end, so the file may be cut short; if it is whole, add a newline")
+    if not parts:
+        raise GridgenError("it has a header and no rows; expected one row for each node")
+    return _grid_of_rows(parts)
+
+
+def _columns(header: bytes) -> list[int] | None:
+    """Return where i, j, x and y stand in a header; None where they do not."""
+    text = header.decode("utf-8-sig", errors="replace")
+    names = text.replace(" ", "").replace('"', "").strip().lower().split(",")
+    return [names.index(name) for name in _COLUMNS] if {*_COLUMNS} <= {*names} else None
+
+
+def _rows(piece: bytes, columns: list[int], line: int) -> tuple[Indices, Array]:
+    """Return the indices (n, 2) and coordinates (n, 2) of some rows, the first of which is that line of the file."""
     try:
-        rows = np.loadtxt(io.StringIO(body), delimiter=",", comments=None, ndmin=2)
+        text = piece.decode("ascii")
+        rows = np.loadtxt(io.StringIO(text), delimiter=",", comments=None, ndmin=2, usecols=columns)
+    except UnicodeDecodeError as error:
+        raise GridgenError(f"a row after line {line - 1} is not text; expected numbers") from error
     except ValueError as error:
         raise GridgenError(
-            f"{shortened(error)} (row 0 is the first below the header); expected four numbers a row"
+            f"{shortened(error)} (row 0 is line {line}); expected four numbers a row, those of '{HEADER}'"
         ) from error
-    if rows.shape[1] != 4:
-        raise GridgenError(f"its rows have {rows.shape[1]} columns; expected the four of '{HEADER}'")
-    return _grid_of_rows(rows)
+    indices = rows[:, :2]
+    if not ((indices >= 0) & (indices < _MOST) & (indices % 1 == 0)).all():
+        raise GridgenError(f"the columns i and j must hold whole numbers from 0 on, below {_MOST}")
+    return indices.astype(np.int32), rows[:, 2:].copy()
 
 
-def _grid_of_rows(rows: Array) -> Grid:
-    """Put rows (i, j, x, y) in their places, each of which must be filled once."""
-    if not (np.isfinite(rows[:, :2]).all() and (rows[:, :2] >= 0).all() and (rows[:, :2] % 1 == 0).all()):
-        raise GridgenError("the columns i and j must hold whole numbers from 0 on")
-    ni, nj = (int(top) + 1 for top in rows[:, :2].max(axis=0))
-    if ni * nj != len(rows):  # Also keeps a wild index from asking for a huge array.
+def _grid_of_rows(parts: list[tuple[Indices, Array]]) -> Grid:
+    """Put rows (i, j, x, y) in their places, each of which must be filled once; the parts are used up."""
+    ni, nj = (1 + max(int(indices[:, axis].max()) for indices, _ in parts) for axis in range(2))
+    count = sum(len(indices) for indices, _ in parts)
+    if ni * nj != count:  # Also keeps a wild index from asking for a huge array.
         raise GridgenError(
-            f"its indices reach {ni} x {nj} nodes, but it has {len(rows)} rows; expected one for each node: "
+            f"its indices reach {ni} x {nj} nodes, but it has {count} rows; expected one for each node: "
             "the file may be cut short"
         )
-    place = (rows[:, 0] * nj + rows[:, 1]).astype(np.intp)
-    counts = np.bincount(place, minlength=ni * nj)
-    if (counts != 1).any():
-        missing = divmod(int(np.argmin(counts)), nj)
+    planes, filled = np.empty((2, ni, nj)), np.zeros((ni, nj), dtype=bool)
+    while parts:
+        indices, points = parts.pop()
+        i, j = indices.T
+        filled[i, j] = True
+        planes[:, i, j] = points.T
+    if not filled.all():
+        missing = tuple(np.argwhere(~filled)[0].tolist())
         raise GridgenError(f"node {missing} is missing, and another comes twice; expected one row for each node")
-    xy = np.empty((ni * nj, 2))
-    xy[place] = rows[:, 2:]
-    return Grid(xy.reshape(ni, nj, 2))
+    return Grid.from_planes(*planes)
 
 
 def recognizes(start: bytes) -> bool:
     """Return whether a table has the header of a grid, and is no outline."""
-    lines = start.decode("utf-8-sig", errors="replace").splitlines()
-    header = next((line for line in lines if line.strip() and not line.startswith("#")), "")
-    return header.replace(" ", "").lower() == HEADER
+    lines = [line for line in start.splitlines() if line.strip() and not line.startswith(b"#")]
+    return bool(lines) and _columns(lines[0]) is not None
 
 
 FORMAT = Format(
@@ -88,7 +121,8 @@ FORMAT = Format(
     decode=decode,
     encode=encode,
     recognizes=recognizes,
+    streamed=True,
     writes=f"a line for each node: `{HEADER}`",
-    reads="rows in any order",
+    reads="rows and columns in any order, and other columns, which are ignored",
     test="tests/io/test_files.py::test_the_csv_text_and_rows_in_any_order",
 )

@@ -5,9 +5,10 @@ Source: VTK File Formats, https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import PurePosixPath
+from typing import BinaryIO
 
 from ...errors import GridgenError, quoted
 from ..format import Blocks, Format, Storage
@@ -37,13 +38,15 @@ def _index(names: Sequence[str], files: Sequence[str]) -> bytes:
     return "\n".join(body).encode("utf-8")
 
 
-def decode(data: bytes, words: Collection[str] = (), *, beside: Callable[[str], bytes]) -> Blocks:
+def decode(
+    data: bytes, words: Collection[str] = (), *, beside: Callable[[str], AbstractContextManager[BinaryIO]]
+) -> Blocks:
     """Return the blocks that a multi-block file names.
 
     Args:
         data: the file.
         words: ignored: a file says itself what it is.
-        beside: returns the bytes of a file whose path is relative to it.
+        beside: opens a file whose path is relative to it.
 
     Raises:
         GridgenError: for another kind of file, no blocks, or blocks that are no structured grids (.vts).
@@ -51,11 +54,11 @@ def decode(data: bytes, words: Collection[str] = (), *, beside: Callable[[str], 
     files = _files(data)
     grids = []
     for file in files.values():
-        content = beside(file)
-        try:
-            grids.append(vts.decode(io.BytesIO(content)))
-        except GridgenError as error:
-            raise GridgenError(f"its block {file}: {error}") from error
+        with beside(file) as stream:
+            try:
+                grids.append(vts.decode(stream))
+            except GridgenError as error:
+                raise GridgenError(f"its block {file}: {error}") from error
     return Blocks(tuple(grids), tuple(files))
 
 
