@@ -554,7 +554,7 @@ def test_corners_and_sampling_of_an_outline(monkeypatch):
     Path("bare.dat").write_text(NOTCHED[4:].replace(",", " "))
     run("grid", "bare.dat", "-f", "winslow", "--size", 24, 12, "--corners", "auto", "-o", "blanks.npz")
     assert gg.read("blanks.npz") == gg.read("auto.npz")
-    assert "--corners is auto or four" in run("grid", "notched.csv", "-f", "winslow", "--corners", "0,4", code=2)
+    assert "--corners is auto, four" in run("grid", "notched.csv", "-f", "winslow", "--corners", "0,4", code=2)
     assert "--corners belongs to an outline" in run("grid", "swan", "-f", "winslow", "--corners", "auto", code=2)
     assert "--sampling belongs to an outline" in run("grid", "moved.npz", "-f", "length", "--sampling", "equal", code=2)
 

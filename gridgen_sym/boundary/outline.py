@@ -19,7 +19,14 @@ from ..grids.grid import Grid, check_counts
 from ..messages import report
 from ..outlines import read_content
 from .corners import CornerChoice, Corners, automatic_corners
-from .outline_checks import checked_corners, checked_islands, checked_points, crossing_text, run_backwards
+from .outline_checks import (
+    are_places,
+    checked_corners,
+    checked_islands,
+    checked_points,
+    crossing_text,
+    run_backwards,
+)
 from .outline_places import projected
 from .outline_sides import automatic_choice, check_sampling, corner_choice, rolled, sampled_sides
 from .polygon import first_crossing, first_repeated, is_clockwise
@@ -67,7 +74,8 @@ class Outline:
         Args:
             points: shape (N, 2), N >= 4, finite, no two in succession equal, not crossing itself. Copies of the first
                 point at the end, by which many programs mark a closed curve, are left out.
-            corners: corners of the outline: four indices in the order of the points; or N marks, 1 where the grid's
+            corners: corners of the outline: four indices in the order of the points; four places (4, 2), to which the
+                nearest points are taken, from the first one counter-clockwise; or N marks, 1 where the grid's
                 boundary turns to the left, -1 where it turns to the right and 0 elsewhere, with the sum 4, as
                 pygridgen's `beta`: of more than four turns to the left four are corners, and the others turn within
                 sides, which is reported; or 'auto': the best four for a square of cells, see `choose_corners`. The
@@ -84,6 +92,8 @@ class Outline:
         """
         array, copies = checked_points(points, name)
         automatic, checked = isinstance(corners, str) and corners == "auto", (0, 1, 2, 3)
+        if not automatic and are_places(corners) and reorient and is_clockwise(array):
+            array = array[::-1]  # Places have no order along the points.
         if not automatic:
             array, checked = rolled(array, checked_corners(corners, array, name, copies))
         crossing = first_crossing(array)
@@ -122,7 +132,7 @@ class Outline:
         Args:
             path: the file.
             corners: corners of the outline instead of those of the file, which then need not have any; as for
-                `Outline`.
+                `Outline`. Places are in longitude and latitude where the file is, and is projected.
             reorient: as for `Outline`.
             crs: plane onto which longitude and latitude are projected: `auto`, or a system such as `EPSG:32616`; see
                 `gridgen_sym.project`. Without it coordinates are those of a plane.
@@ -136,11 +146,13 @@ class Outline:
         chosen = found.corners if corners is None else corners
         if chosen is None:
             raise GridgenError(
-                f"cannot read {path}: it has no corners; add a line like '# corners: 0 10 20 30' above its points, or "
-                "let them be chosen with corners='auto' (--corners auto)"
+                f"cannot read {path}: it has no corners; add a line like '# corners: 0 10 20 30' above its points, "
+                "give four points or places (--corners), or let them be chosen with corners='auto' (--corners auto)"
             )
         try:
             projection, points, islands = projected(found, crs)
+            if projection is not None and are_places(chosen):
+                chosen = projection.to_plane(chosen)
             name = found.name or Path(path).stem
             return cls(points, chosen, name, reorient=reorient, islands=islands, projection=projection)
         except GridgenError as error:

@@ -55,12 +55,14 @@ def checked_corners(corners: ArrayLike, points: Array, name: str, copies: int = 
     """Return corners as four different indices of points, in the order of the points from any start.
 
     Args:
-        corners: what was given: four indices, or a mark for each point (see `Outline`).
+        corners: what was given: four indices, four places, or a mark for each point (see `Outline`).
         points: the vertices (N, 2).
         name: of the outline, for messages.
         copies: how many copies of point 0 at the end were left out; indices and marks of these are those of point 0.
     """
     values, count = real_array(corners, f"the corners of the outline '{name}'"), len(points)
+    if are_places(values):
+        return _nearest(values, points, name)
     if are_marks(values, count + copies):
         values = corners_of_marks(values, points, name)
     refuse_fractions(values, count + copies, name)
@@ -77,6 +79,26 @@ def checked_corners(corners: ArrayLike, points: Array, name: str, copies: int = 
             f"{count - 1}, in the order of the points, but are {_listed(values)}{closed}"
         )
     c0, c1, c2, c3 = (int(value) for value in same)
+    return c0, c1, c2, c3
+
+
+def are_places(corners: ArrayLike) -> bool:
+    """Return whether corners are given as four places, (4, 2)."""
+    return np.shape(corners) == (4, 2)
+
+
+def _nearest(places: Array, points: Array, name: str) -> Corners:
+    """Return the points that are nearest to four places, in the order of the points from that of the first place."""
+    if not np.isfinite(places).all():
+        raise GridgenError(f"the corners of the outline '{name}' must be finite places; came {places.tolist()}")
+    found = np.array([int(np.hypot(*(points - place).T).argmin()) for place in places])
+    ahead = np.sort((found - found[0]) % len(points))
+    if (np.diff(ahead) == 0).any():
+        raise GridgenError(
+            f"the corners of the outline '{name}' are four different points, but those nearest to the four places are "
+            f"{found.tolist()}: give places nearer to the corners"
+        )
+    c0, c1, c2, c3 = ((ahead + found[0]) % len(points)).tolist()
     return c0, c1, c2, c3
 
 

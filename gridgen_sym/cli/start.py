@@ -32,7 +32,12 @@ _OPTIONS = (
         metavar="NI NJ",
         help="Number of cells along xi and eta; also NIxNJ.  [default: 40 40]",
     ),
-    option(OUTLINE["corners"], more=": auto, or four indices of points such as '0,10,20,30'", metavar="CORNERS"),
+    option(
+        OUTLINE["corners"],
+        more=": auto; four indices of points such as '0,10,20,30'; or four places, to which the nearest points are "
+        "taken, such as '0,0 4,0 4,1 0,1', in longitude and latitude with --crs",
+        metavar="CORNERS",
+    ),
     option(OUTLINE["sampling"]),
     option(
         OUTLINE["spacing"],
@@ -207,20 +212,34 @@ def _outline_start(
     """Return the grid of an outline's file, and its islands."""
     from ..boundary import Outline
 
-    chosen: Any = corners
-    if corners is not None and corners != "auto":
-        try:
-            chosen = [whole_number_in(word) for word in corners.replace(",", " ").split()]
-        except ValueError:
-            chosen = []
-        if len(chosen) != 4:
-            raise GridgenError(f"--corners is auto or four whole numbers, such as '0,10,20,30'; came {quoted(corners)}")
+    chosen: Any = corners if corners in (None, "auto") else _corners_of(str(corners))
     outline = Outline.read(path, corners=chosen, reorient=reorient, crs=crs)
     # Corners that were chosen by number are kept, others may be moved.
     wanted: Any = chosen if chosen in (None, "auto") else outline.corners
     laws = dict(_law_of(text) for text in sides)
     grid = outline.grid(*shape, wanted, sampling or "features", laws)  # type: ignore[arg-type]
     return Start(grid, outline.projection, outline.islands)
+
+
+def _corners_of(text: str) -> list[Any]:
+    """Return the four indices of points, or places, that `--corners` gives.
+
+    Raises:
+        GridgenError: for anything else.
+    """
+    places = [word.split(",") for word in text.replace(";", " ").split()]
+    try:
+        if len(places) == 4 and all(len(place) == 2 and all(place) for place in places):
+            return [[number_in(word) for word in place] for place in places]
+        indices = [whole_number_in(word) for word in text.replace(",", " ").split()]
+        if len(indices) == 4:
+            return indices
+    except ValueError:
+        pass
+    raise GridgenError(
+        "--corners is auto, four whole numbers such as '0,10,20,30', or four places such as '0,0 4,0 4,1 0,1'; came "
+        f"{quoted(text)}"
+    )
 
 
 def _law_of(text: str) -> tuple[str, str]:

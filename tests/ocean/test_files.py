@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -304,6 +305,15 @@ def test_a_raster_adapts_a_grid_in_longitude_and_latitude(sea):
     assert near[0] > 1.5 * near[1]  # Nodes gather at the shelf at one degree east.
 
 
+def test_corners_are_places_on_earth(sea):
+    path = Path(sea)
+    path.write_text(path.read_text().replace('"corners"', '"other"'))
+    places = "-0.1,45 0,40 8,40.4 8,45.4"
+    run("grid", sea, "-f", "winslow", "--size", 8, 8, "--crs", "auto", "--corners", places, "-o", "a.vts")
+    corners = gg.read("a.vts").xy[[0, -1, -1, 0], [0, 0, -1, -1]]
+    np.testing.assert_allclose(corners, [PLACES[k] for k in (34, 0, 16, 18)], atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -313,6 +323,8 @@ def test_a_raster_adapts_a_grid_in_longitude_and_latitude(sea):
         (["--depth", "1 + x", "-o", "a.nc"], "--depth takes a file with a raster or samples"),
         (["--depth", "missing.nc:h", "-o", "a.nc"], "there is no such file"),
         (["--crs", "EPSG:4326", "-o", "a.nc"], "is no plane"),
+        (["--corners", "0,0 1,0 1,1"], "--corners is auto, four whole numbers such as '0,10,20,30', or four places"),
+        (["--corners", "0,0 1,0 1,1 a,1"], "came '0,0 1,0 1,1 a,1'"),
     ],
 )
 def test_mistakes_of_the_command_line_are_named(sea, arguments, message):

@@ -69,6 +69,24 @@ def test_name_and_corners_are_properties(tmp_path):
         gg.Outline.read(path)
 
 
+def test_corners_are_the_points_nearest_to_four_places(tmp_path):
+    """Whichever way the curve runs, and wherever it begins: from the first place counter-clockwise."""
+    places = [[4.1, 2.9], [-0.2, 3.3], [0.3, 0.1], [4, -0.1]]
+    for curve in (LAKE, LAKE[::-1]):
+        path = tmp_path / "lake.geojson"
+        path.write_text(json.dumps({"type": "Polygon", "coordinates": [closed(np.roll(curve, 1, axis=0).tolist())]}))
+        outline = gg.Outline.read(path, corners=places)
+        assert outline.points.tolist() == [[4, 3], [0, 3], [0, 0], [4, 0]]
+        assert outline.corners == (0, 1, 2, 3)
+        assert outline.choose_corners(5, 5, np.roll(places, -1, axis=0)).corners == (1, 2, 3, 0)
+    with pytest.raises(gg.GridgenError, match=r"those nearest to the four places are \[0, 0, 2, 3\]"):
+        gg.Outline(LAKE, [[0, 0], [0.1, 0.1], [4, 3], [0, 3]])
+    with pytest.raises(gg.GridgenError, match="must be finite places"):
+        gg.Outline(LAKE, [[0, 0], [np.nan, 0], [4, 3], [0, 3]])
+    with pytest.raises(gg.GridgenError, match="runs clockwise"):
+        gg.Outline(LAKE[::-1], places, reorient=False)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
