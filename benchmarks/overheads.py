@@ -32,7 +32,10 @@ def _rows() -> list[tuple[str, int, float, float | None, Callable[[], object], C
     return [
         ("gg.hessian", 1025, 4.3, None, lambda: gg.hessian(large, "winslow"),
          lambda: winslow.hessian(large.planes)),
-        ("gg.quality", 1025, 0.69, 0.05, lambda: gg.quality(large), lambda: winslow.energy(large.planes)),
+        ("gg.quality, folded cells", 1025, 0.69, 0.05, lambda: gg.quality(large).folded_cells,
+         lambda: winslow.energy(large.planes)),
+        ("gg.quality, all measures", 1025, 0.69, 0.05, lambda: gg.quality(large).summary(),
+         lambda: winslow.energy(large.planes)),
         ("gg.gradient", 257, 0.0026, 0.0007, lambda: gg.gradient(small, "winslow"),
          lambda: winslow.energy_gradient(small.planes)),
     ]  # fmt: skip

@@ -51,14 +51,6 @@ class SideQuality:
     non_orthogonality: Deviation
 
 
-def corner_deviation(grid: Grid) -> Deviation:
-    """Return how far the angles of all corners of all cells are from 90 degrees."""
-    low, high = slice(None, -1), slice(1, None)
-    xi, eta = np.diff(grid.planes, axis=1), np.diff(grid.planes, axis=2)
-    corners = ((xi[:, :, a], eta[:, b]) for a in (low, high) for b in (low, high))
-    return Deviation.of(np.concatenate([_off(first, second).ravel() for first, second in corners]))
-
-
 def side_qualities(grid: Grid) -> dict[str, SideQuality]:
     """Return how the cells at each side begin, by the name of the side."""
     planes = grid.planes

@@ -10,12 +10,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from .grid import Grid, check_grid, corner_jacobians, folded_corners
-from .orthogonality import Deviation, SideQuality, corner_deviation, side_qualities
+from .grid import Grid, check_grid
+from .measures import GROUPS
+from .orthogonality import Deviation, SideQuality
+
+
+class _OfGrid:
+    """Attributes that are computed of a grid when they are first asked for."""
+
+    __slots__ = ("_grid",)
+    _grid: Grid
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+        """Compute a measure, and those of its group: this is called for attributes that are not there yet."""
+        if name not in GROUPS:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+        with np.errstate(all="ignore"):  # Divisions by 0 are meant, and their results are replaced.
+            for found, value in GROUPS[name](self._grid).items():
+                object.__setattr__(self, found, value)
+        return object.__getattribute__(self, name)
 
 
 @dataclass(frozen=True, slots=True)
-class Quality:
+class Quality(_OfGrid):
     """The measures of one grid; print it to read them.
 
     A corner's J is that of `corner_jacobians`, its edge vectors g1 (along xi) and g2 (along eta) are the two
@@ -116,85 +133,15 @@ class Quality:
 def quality(grid: Grid) -> Quality:
     """Measure a grid; never warns, whatever edges have no length.
 
+    A measure is computed when it is first asked for, with others of its kind.
+
     Raises:
         GridgenError: if `grid` is no Grid.
     """
     check_grid(grid)
-    with np.errstate(all="ignore"):  # Divisions by 0 are meant, and their results are replaced below.
-        jacobians = corner_jacobians(grid.x, grid.y)
-        xi_edges, eta_edges = _edges(grid)
-        folded = np.argwhere(folded_corners(jacobians).any(axis=0))
-        return Quality(
-            cells=jacobians[0].size,
-            folded_cells=len(folded),
-            min_jacobian=float(jacobians.min()),
-            mean_jacobian=float(jacobians.mean()),
-            max_jacobian=float(jacobians.max()),
-            **_corner_measures(jacobians, xi_edges, eta_edges),
-            max_aspect_ratio=_aspect_ratio(xi_edges, eta_edges),
-            max_area_ratio=_area_ratio(jacobians.mean(axis=0)),
-            non_orthogonality=corner_deviation(grid),
-            sides=side_qualities(grid),
-            folded=folded,
-            folded_centers=_centers(grid, folded),
-        )
-
-
-def _edges(grid: Grid) -> tuple[Array, Array]:
-    """Return the edge vectors along xi, shape (2, ni-1, nj), and along eta, shape (2, ni, nj-1)."""
-    return np.diff(grid.planes, axis=1), np.diff(grid.planes, axis=2)
-
-
-def _corner_measures(jacobians: Array, xi_edges: Array, eta_edges: Array) -> dict[str, Any]:
-    """Return the measures that each corner has for itself: scaled Jacobian, condition number, angle."""
-    low, high = slice(None, -1), slice(1, None)
-    corners = ((low, low, False), (low, high, True), (high, high, False), (high, low, True))
-    scaled, angles, conditions = [], [], []
-    for J, (xi_edge, eta_edge, turned) in zip(jacobians, corners, strict=True):
-        g1, g2 = xi_edges[:, :, xi_edge], eta_edges[:, eta_edge]
-        g11, g22, g12 = (g1**2).sum(axis=0), (g2**2).sum(axis=0), (g1 * g2).sum(axis=0)
-        product = np.sqrt(g11) * np.sqrt(g22)
-        scaled.append(np.where(product > 0, J / product, 0.0).min())
-        # At the corners 1 and 3 one of the two edges points into the corner: the inner angle is the
-        # supplement.
-        angle = np.arctan2(J, -g12 if turned else g12) % (2 * np.pi)
-        angles.append(np.where(product > 0, angle, 0.0))
-        conditions.append(np.where(J > 0, (g11 + g22) / J, np.inf))
-    finite = np.concatenate([c[np.isfinite(c)] for c in conditions])
-    return {
-        "min_scaled_jacobian": float(min(scaled)),
-        "mean_condition": float(finite.mean()) if finite.size else np.inf,
-        "max_condition": float(max(c.max() for c in conditions)),
-        "min_angle": float(np.degrees(min(a.min() for a in angles))),
-        "max_angle": float(np.degrees(max(a.max() for a in angles))),
-    }
-
-
-def _aspect_ratio(xi_edges: Array, eta_edges: Array) -> float:
-    """Return the largest aspect ratio of a cell."""
-    xi, eta = np.hypot(*xi_edges), np.hypot(*eta_edges)
-    width, height = xi[:, :-1] + xi[:, 1:], eta[:-1] + eta[1:]
-    return _largest_ratio(width, height)
-
-
-def _area_ratio(area: Array) -> float:
-    """Return the largest ratio of the areas of two neighbors."""
-    if not (area > 0).all():
-        return np.inf
-    return max(_largest_ratio(area[1:], area[:-1]), _largest_ratio(area[:, 1:], area[:, :-1]))
-
-
-def _largest_ratio(a: Array, b: Array) -> float:
-    """Return the largest of a/b and b/a; inf where one of them is 0."""
-    small, large = np.minimum(a, b), np.maximum(a, b)
-    return float(np.where(small > 0, large / small, np.inf).max())
-
-
-def _centers(grid: Grid, cells: NDArray[np.intp]) -> Array:
-    """Return the means of the four nodes of the given cells, shape (n, 2)."""
-    i, j = cells.T
-    nodes = grid.planes[:, [i, i + 1, i + 1, i], [j, j, j + 1, j + 1]]
-    return np.asarray(nodes.mean(axis=1).T)
+    found = object.__new__(Quality)
+    object.__setattr__(found, "_grid", grid)
+    return found
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever a measure is made of
