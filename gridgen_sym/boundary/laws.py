@@ -64,19 +64,22 @@ def two_ended(first: npt.ArrayLike, last: npt.ArrayLike, cells: int) -> Array:
     Returns:
         (m, cells + 1).
     """
+    return vinokur(*vinokur_slopes(first, last, cells), cells)
+
+
+def vinokur_slopes(first: npt.ArrayLike, last: npt.ArrayLike, cells: int) -> tuple[Array, Array]:
+    """Return the slopes at both ends, over the number of cells, with which `vinokur` has end cells of given lengths."""
     first, last = _checked(first, "first"), _checked(last, "last")
     if cells < 3:
         raise GridgenError(f"a law with given lengths at both ends needs at least 3 cells; came {cells}")
     slope, other = first.copy(), last.copy()
-    found = _vinokur(slope, other, cells)
     for _ in range(_FIXED_POINTS):
-        step = np.diff(found, axis=1)
+        step = np.diff(vinokur(slope, other, cells), axis=1)
         wrong, wrong_last = first / step[:, 0], last / step[:, -1]
         if max(np.abs(wrong - 1).max(), np.abs(wrong_last - 1).max()) < 1e-12:
             break
         slope, other = slope * wrong, other * wrong_last
-        found = _vinokur(slope, other, cells)
-    return found
+    return slope, other
 
 
 def growing(first: npt.ArrayLike, growth: npt.ArrayLike, cells: int, layers: int | None = None) -> Array:
@@ -196,7 +199,7 @@ def _one_ended(first: npt.ArrayLike, cells: int, law: Callable[[Array, Array], A
     return result
 
 
-def _vinokur(first: Array, last: Array, cells: int) -> Array:
+def vinokur(first: Array, last: Array, cells: int) -> Array:
     """Return Vinokur's two-sided function for slopes cells*first and cells*last at the ends."""
     s = np.linspace(0, 1, cells + 1)
     ratio, steepness = np.sqrt(last / first), 1 / (cells * np.sqrt(first * last))
