@@ -18,8 +18,9 @@ from ..solvers.layout.problem import LayoutProblem
 from ..solvers.minimum import Minimum
 from ..solvers.problem import Problem
 from .block import BlockDerivatives
-from .data import BlockAdjoint, BlockData
+from .data import BlockAdjoint, BlockData, as_planes
 from .gradients import Gradients
+from .lines import LineData
 from .slides import SideDerivatives
 from .system import System
 from .unknowns import BlockUnknowns, LayoutUnknowns, Unknowns
@@ -30,7 +31,8 @@ def vjp(result: Any, cotangent: Any) -> Gradients:  # noqa: ANN401
     """Return the gradient of a number that depends on a result's grid; see `Result.vjp`."""
     setting = Setting(result)
     cotangents, many = setting.fields(cotangent)
-    return Gradients(setting.names, setting.data, [setting.adjoint(one) for one in cotangents], many)
+    adjoints = [setting.adjoint(one) for one in cotangents]
+    return Gradients(setting.names, setting.data, adjoints, many, setting.lines)
 
 
 def jvp(result: Any, **tangents: Any) -> Any:  # noqa: ANN401
@@ -48,6 +50,7 @@ class Setting:
     Attributes:
         names: of several blocks; None for one.
         data: of every block.
+        lines: of several blocks, along which nodes slide, or None.
         system: in the nodes that move.
     """
 
@@ -61,12 +64,9 @@ class Setting:
         problem = minimum.problem()
         self.names: Sequence[str] | None = None
         if isinstance(problem, LayoutProblem):
-            if problem.slide is not None:
-                raise GridgenError(
-                    "grids of several blocks whose nodes slide cannot be differentiated: hold the boundary"
-                )
             self.names = result.grid.names
-            grids, problems, held = result.grid.blocks, problem.blocks, problem.fixed
+            grids, problems, held = result.grid.blocks, problem.blocks, problem.held
+            problem.follow(problem.exchange.join([grid.planes for grid in grids]))
         else:
             assert isinstance(problem, Problem)
             grids, problems, held = (result.grid,), (problem,), (problem.held,)
@@ -80,6 +80,10 @@ class Setting:
             BlockData(block, mask, target, self._walls(minimum, number), _sides(minimum, block, start.planes))
             for number, (block, mask, target, start) in enumerate(zip(blocks, held, targets, starts, strict=True))
         ]
+        self.lines: LineData | None = None
+        if isinstance(problem, LayoutProblem) and problem.slide is not None:
+            gradient = problem.exchange.join([block.gradient() for block in blocks])
+            self.lines = LineData(problem.slide, minimum.slide, minimum.start, problem.exchange, gradient)
         self.system = System(_unknowns(problem, blocks), minimum.tolerance)
 
     def _walls(self, minimum: Minimum[Any], number: int) -> WallData | None:
@@ -137,14 +141,31 @@ class Setting:
     def along(self, tangents: Mapping[str, Any]) -> list[Array]:
         """Return how the nodes of every block move along changes of data, (2, ni, nj)."""
         unknowns, nodes, residuals = self.unknowns, [], []
+        moved, rest = self._along_lines(tangents)
+        if self.lines is not None:
+            tangents = {name: one for name, one in tangents.items() if name != "slide"}
         for number, (block, data) in enumerate(zip(unknowns.blocks, self.data, strict=True)):
             change = data.change({name: _of_block(one, number, self.names) for name, one in tangents.items()})
+            change.nodes += unknowns.views(moved)[number]
             nodes.append(change.nodes)
             along = block.mixed_along(change.planes, change.parameters)
             residuals.append(block.product(change.nodes) + along + change.residual)
         moved = unknowns.join(nodes)
-        moved -= self.system.solve(unknowns.collect(unknowns.join(residuals)), transposed=False)
+        moved -= self.system.solve(unknowns.collect(unknowns.join(residuals) + rest), transposed=False)
         return [part.copy() for part in unknowns.views(moved)]
+
+    def _along_lines(self, tangents: Mapping[str, Any]) -> tuple[Array, Array]:
+        """Return how the nodes of several blocks move with their curves, and what their equations change by."""
+        blocks = self.unknowns.blocks
+        if self.lines is None or self.names is None:
+            zero = np.zeros(sum(block.coordinates.size for block in blocks))
+            return zero, zero
+        boundary = None
+        if "boundary" in tangents:
+            given = [_of_block(tangents["boundary"], number, self.names) for number in range(len(blocks))]
+            what = "the change of the boundary"
+            boundary = [as_planes(one, block.shape, what) for one, block in zip(given, blocks, strict=True)]
+        return self.lines.change(boundary, dict(tangents.get("slide", {})))
 
 
 def _unknowns(problem: Problem | LayoutProblem, blocks: list[BlockDerivatives]) -> Unknowns:
@@ -175,6 +196,8 @@ def _checked(result: Any) -> Minimum[Any]:  # noqa: ANN401
             "only what optimize returns can be differentiated: this result is no minimum of an energy, or it comes "
             "from a pickle; optimize its grid again"
         )
+    if minimum.objection:
+        raise GridgenError(minimum.objection)
     if not result.converged:
         raise GridgenError(
             f"a grid that has not converged has no derivatives: {result.message} Allow more steps (max_iterations, "

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from .data import BlockAdjoint, BlockData
+from .lines import LineData
 from .slides import CurveGradient
 from .wall_data import WallGradient
 
@@ -27,9 +28,10 @@ class Gradients:
         data: Sequence[BlockData],
         adjoints: Sequence[Sequence[BlockAdjoint]],
         many: bool,
+        lines: LineData | None = None,
     ) -> None:
         """Take the adjoints of every number on every block; `names` of several blocks, None for one."""
-        self._names, self._data, self._adjoints, self._many = names, data, adjoints, many
+        self._names, self._data, self._adjoints, self._many, self._lines = names, data, adjoints, many, lines
 
     def __repr__(self) -> str:
         """Name what there is."""
@@ -42,7 +44,14 @@ class Gradients:
         Where walls are given, also through the cells that they ask for. Of a side that slides along the curve of its
         own nodes, through that curve.
         """
-        return self._of_blocks(lambda data, adjoint: data.in_boundary(adjoint))
+        found = self._of_blocks(lambda data, adjoint: data.in_boundary(adjoint))
+        if self._lines is None:
+            return found
+        own = [self._lines.in_boundary(*self._joined(adjoints)) for adjoints in self._adjoints]
+        for number, name in enumerate(found):
+            parts = [one[number] for one in own]
+            found[name] = found[name] + (np.stack(parts) if self._many else parts[0])
+        return found
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -89,9 +98,19 @@ class Gradients:
     def slide(self) -> Any:  # noqa: ANN401
         """In the curves that were given of sliding sides, by side.
 
-        Of points in these, (n, 2); of a spline or a function a `CurveGradient`.
+        Of points in these, (n, 2); of a spline or a function a `CurveGradient`. Of several blocks by the name of the
+        boundary, and not by block.
         """
-        return self._of_blocks(lambda data, adjoint: data.in_slide(adjoint))
+        if self._lines is None:
+            return self._of_blocks(lambda data, adjoint: data.in_slide(adjoint))
+        found = [self._lines.in_slide(*self._joined(adjoints)) for adjoints in self._adjoints]
+        return _stacked(found) if self._many else found[0]
+
+    @staticmethod
+    def _joined(adjoints: Sequence[BlockAdjoint]) -> tuple[Array, Array]:
+        """Return the derivatives in the nodes, and the solution, of all blocks one after the other."""
+        nodes, field = ([np.ravel(getattr(one, name)) for one in adjoints] for name in ("nodes", "field"))
+        return np.concatenate(nodes), np.concatenate(field)
 
     def _of_blocks(self, derive: Callable[[BlockData, BlockAdjoint], Any]) -> Any:  # noqa: ANN401
         found = []

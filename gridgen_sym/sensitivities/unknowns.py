@@ -101,6 +101,12 @@ class LayoutUnknowns:
         self.blocks: Sequence[BlockDerivatives] = tuple(blocks)
         self._problem, self._exchange = problem, problem.exchange
         self._held = self._exchange.join([np.stack((mask, mask)) for mask in problem.fixed]) != 0
+        slide = problem.slide
+        self._curvature = None if slide is None else slide.curvature(self.gradient())
+
+    def gradient(self) -> Array:
+        """Return the gradient in all nodes of all blocks, distributed."""
+        return self.join([block.gradient() for block in self.blocks])
 
     def views(self, field: Array) -> list[Array]:
         """Return the blocks of a field."""
@@ -111,19 +117,39 @@ class LayoutUnknowns:
         return self._exchange.join(blocks)
 
     def collect(self, field: Array) -> Array:
-        """Return the sums over copies, zero at nodes that stay."""
-        found = field.copy()
+        """Return the sums over copies, tangential at nodes that slide, zero at nodes that stay."""
+        slide, found = self._problem.slide, field.copy()
+        if slide is None:
+            found[self._held] = 0.0
+            return self._exchange.make_consistent(found)
+        self._exchange.make_consistent(found)
+        along = self._tangential(found)
         found[self._held] = 0.0
-        return self._exchange.make_consistent(found)
+        slide.spread(along, found)
+        return found
+
+    def _tangential(self, field: Array) -> Array:
+        """Return the tangential part of a consistent field at the nodes that slide."""
+        slide = self._problem.slide
+        assert slide is not None
+        return slide.slide.tangential(slide.first_copies(field))
 
     def bends(self, field: Array) -> Array:
-        """Return zeros: no node slides."""
-        return np.zeros_like(field)
+        """Return the field along curves, times their curvature."""
+        found, slide = np.zeros_like(field), self._problem.slide
+        if slide is not None and self._curvature is not None:
+            slide.spread(self._curvature * self._tangential(field), found)
+        return found
 
     def solve(self, solver: LinearSolver, right: Array, tolerance: float) -> Array | None:
         """Solve with the Hessian that a solver has; None where that is not positive."""
         solution = solver.solve(right, tolerance)
-        return solution.vector if solution.positive else None
+        if not solution.positive:
+            return None
+        found, slide = solution.vector.copy(), self._problem.slide
+        if slide is not None:
+            slide.spread(self._tangential(found), found)
+        return found
 
     def hessian(self) -> list[Array]:
         """Return the stored halves of the blocks."""
@@ -132,4 +158,4 @@ class LayoutUnknowns:
     def solvers(self) -> list[Callable[[], LinearSolver]]:
         """Return multigrid, where C can be compiled, and the factorization."""
         problem = self._problem
-        return [problem.solver, lambda: LayoutDirectSolver(self._exchange, problem.copies, problem.fixed)]
+        return [problem.solver, lambda: LayoutDirectSolver(self._exchange, problem.copies, problem.held)]

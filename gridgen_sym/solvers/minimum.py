@@ -29,6 +29,7 @@ class Minimum(Generic[OnGrid]):
         slide: as it was given.
         walls: by block the name of which is the key (of one block, an empty text): what was asked of the four sides,
             and that with corrected first heights, whose target was used.
+        objection: why there are no derivatives nevertheless; empty where there are.
     """
 
     problem: Callable[[], OnGrid]
@@ -39,6 +40,7 @@ class Minimum(Generic[OnGrid]):
     target: object = None
     slide: object = None
     walls: Mapping[str, tuple[Sides[Wall | None], Sides[Wall | None]]] | None = None
+    objection: str = ""
 
     def __reduce__(self) -> tuple[type[None], tuple[()]]:
         """Become None in a pickle."""

@@ -254,6 +254,52 @@ def walled(change: str) -> Case:
 # ---- several blocks ----
 
 
+def sliding_blocks() -> Case:
+    """Return a case of the boundary of two blocks, whose nodes slide from the one into the other."""
+    base = start()
+    moved, cut = 0.3 * boundary_change(base), 4
+
+    def parts(nodes: np.ndarray) -> dict[str, np.ndarray]:
+        return {"a": nodes[: cut + 1], "b": nodes[cut:]}
+
+    def solve(t: float) -> gg.LayoutResult:
+        grids = {name: gg.Grid(nodes) for name, nodes in parts(base + t * moved).items()}
+        weight = gg.Weight("1 + 0.1*x", "differentiated")  # Blocks with a weight are not put together.
+        return gg.optimize(gg.MultiBlock(grids, "auto"), "winslow", slide="all", weight=weight, **TIGHT)
+
+    along = parts(moved)
+    return Case(
+        solve,
+        {"boundary": along},
+        lambda g: sum((g.boundary[name] * one).sum() for name, one in along.items()),
+        step=5e-4,
+    )
+
+
+def sliding_blocks_curve() -> Case:
+    """Return a case of the curve of one side of two blocks, a function."""
+    base, cut = start(), 4
+
+    def curve(s: np.ndarray, t: float) -> np.ndarray:
+        place = np.stack(
+            (-(1 + 0.1 * np.sin(3 * s)) * np.cos(1.2 * s), (1 + 0.1 * np.sin(3 * s)) * np.sin(1.2 * s)), -1
+        )
+        return place + t * change(s)
+
+    def change(s: np.ndarray) -> np.ndarray:
+        return 0.1 * np.stack((np.sin(np.pi * s), np.sin(2 * np.pi * s)), axis=-1)
+
+    def solve(t: float) -> gg.LayoutResult:
+        nodes = base.copy()
+        nodes[1:-1, 0] = curve(np.linspace(0, 1, SHAPE[0]), t)[1:-1]
+        blocks = {"a": gg.Grid(nodes[: cut + 1]), "b": gg.Grid(nodes[cut:])}
+        named = {"floor": [("a", "bottom"), ("b", "bottom")]}
+        layout = gg.MultiBlock(blocks, "auto", boundaries=named)
+        return gg.optimize(layout, "winslow", slide={"floor": lambda s: curve(s, t)}, **TIGHT)
+
+    return Case(solve, {"slide": {"floor": change}}, lambda g: g.slide["floor"].along(change))
+
+
 def blocks(change: str) -> Case:
     """Return a case of a pipe of five blocks: its boundary, or the samples of a weight."""
     layout = gg.optimize(gg.layout("pipe", across=4, outwards=4), "winslow", **TIGHT).grid

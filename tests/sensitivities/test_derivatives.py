@@ -38,6 +38,8 @@ SLIDING: dict[str, Callable[[], Case]] = {
 BLOCKS: dict[str, Callable[[], Case]] = {
     "blocks_boundary": partial(cases.blocks, "boundary"),
     "blocks_weight": partial(cases.blocks, "weight"),
+    "blocks_sliding": cases.sliding_blocks,
+    "blocks_curve": cases.sliding_blocks_curve,
 }
 CASES = {**ONE_BLOCK, **SLIDING, **BLOCKS}
 QUICK = ("own_curves", "points", "reference_grid", "wall_boundary")

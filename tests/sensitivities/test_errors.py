@@ -45,6 +45,13 @@ def test_only_minima_are_differentiated(result):
         copy.jvp(parameters={})
 
 
+def test_walls_of_several_blocks_are_refused():
+    layout = gg.MultiBlock({"a": GRID}, ())
+    result = gg.optimize(layout, "winslow", walls={"bottom": gg.Wall(0.1)}, max_iterations=1)
+    with pytest.raises(gg.GridgenError, match="grids of several blocks with walls cannot be differentiated"):
+        result.vjp({"a": COTANGENT})
+
+
 @pytest.mark.parametrize(
     ("tangents", "message"),
     [

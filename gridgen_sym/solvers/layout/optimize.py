@@ -47,6 +47,11 @@ from .walls import LayoutWalls, minimize_with_walls, walled_start, walls_of_bloc
 
 #: Factors by which the gradient must fall, as for one block.
 _TOLERANCE, _TO_TARGET = 1e-6, 1e-12
+#: Why such grids cannot be differentiated.
+_WALLS_OF_BLOCKS = (
+    "grids of several blocks with walls cannot be differentiated: their cells are made to agree from block to block, "
+    "and first heights are corrected; give the cells as target="
+)
 #: Default numbers of Newton steps and of sweeps, likewise.
 _LIMITS = {"newton": 1000, "local": 5000}
 
@@ -182,4 +187,6 @@ def optimize_layout(
             return minimized()
 
         minimum = Minimum(lambda: run.problem, definition, parameters, tolerance, grid, target, slide)
+        if asked is not None:
+            minimum = replace(minimum, objection=_WALLS_OF_BLOCKS)
         return replace(run_to_result(solve, run.result, report), minimum=minimum)

@@ -133,6 +133,24 @@ class LayoutSlide:
         for planes, (couplings, nodes, first) in zip(hessians, self._couplings, strict=True):
             couplings.constrain(planes, self.slide.tangents[:, nodes], np.where(first, curvature[nodes], 0.0))
 
+    def curvature(self, gradient: Array) -> Array:
+        """Return what bends of curves add, given a distributed gradient, without springs; see `Slide.curvature`."""
+        summed = np.zeros((2, *self.slide.shape))
+        summed[:, *self.slide.nodes] = self.sums(gradient)
+        return self.slide.curvature(summed, semidefinite=False)
+
+    def sums(self, field: Array) -> Array:
+        """Return the sums over copies of a distributed field at the sliding nodes, (2, number of nodes)."""
+        return self._exchange.sums(field)
+
+    def first_copies(self, field: Array) -> Array:
+        """Return a consistent field at the nodes of all lines, (2, number of these)."""
+        return np.asarray(field[self._places])
+
+    def distributed(self, field: Array) -> Array:
+        """Return a field that is consistent at the sliding nodes as a distributed one."""
+        return self._exchange.distributed(field)
+
     def _add_springs(self, hessians: Sequence[Array]) -> None:
         """Add the Hessians of the springs, each to the block that its edge is on."""
         for line, side in zip(self.lines, self.slide.sides, strict=True):
