@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Literal
 
+import numpy as np
 import numpy.typing as npt
 
 from ..arrays import Array
@@ -45,6 +46,8 @@ from .turns import choose_turns
 
 #: Factors by which the gradient must fall. One Newton step more gives ten digits of a grid that attains its target.
 _TOLERANCE, _TO_TARGET = 1e-6, 1e-12
+#: Boundary nodes that are moved by less, over the largest coordinate, are on their curves.
+_ROUNDING = 1e-14
 #: Default numbers of Newton steps and of sweeps.
 _LIMITS = {"newton": 1000, "local": 5000}
 
@@ -277,5 +280,7 @@ def _on_curves(problem: Problem, grid: Grid) -> Array:
     start = grid.planes.copy()
     if problem.slide is not None:
         problem.retract(start)
-        start = move_sides(grid.planes, start)
+        moved = np.abs(start - grid.planes).max()
+        if moved > _ROUNDING * np.abs(start).max():
+            start = move_sides(grid.planes, start)
     return start

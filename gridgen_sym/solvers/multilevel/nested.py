@@ -83,21 +83,22 @@ class Nested:
     def _solve_sliding(self, problem: Problem, start: Array, slide: Slide) -> None:
         """Solve on a coarse grid whose boundary nodes slide, if its edges then follow the curves.
 
-        With few nodes the energy may be least where an edge cuts off a bend; that is of no use to finer grids. Nodes
-        slide from a grid of nodes that stay, until they have slid on a coarser grid.
+        With few nodes the energy may be least where an edge cuts off a bend; that is of no use to finer grids. Then,
+        and where the first grid is folded, nodes stay; on the next grid they slide from there.
         """
         slide.place(start)
-        start = from_boundary(start).copy()
-        if self.slid is None:
+        if self.solved is None:
+            start = from_boundary(start).copy()
+        if self.slid is None and (self.solved is not None or problem.folds(start).cells):
             self._solve_fixed(problem, start)
-        if not slide.cut_sides(start, _CUT):
+        if self.slid is not None or not slide.cut_sides(start, _CUT):
             problem.slide = slide
             found = self._solve(problem, self.finer(problem, start))
             problem.slide = None
             if not slide.cut_sides(found, _CUT):
                 self.solved, self.slid = found, slide
                 return
-        if self.slid is not None:
+        if self.solved is None or self.solved.shape != start.shape:
             self._solve_fixed(problem, start)
 
     def finer(self, problem: Problem, coordinates: Array) -> Array:

@@ -14,6 +14,8 @@ from ...errors import GridgenError
 _NEAR_END, _NEAR = 1e-6, 0.05
 #: Nodes so near to a curve, over the extent, are where they were looked for.
 _ON = 1e-9
+#: The same but for rounding.
+_ROUNDING = 1e-14
 
 
 def placed(what: str, curve: SlideCurve, nodes: Array, extent: float) -> tuple[SlideCurve, Array]:
@@ -28,7 +30,9 @@ def placed(what: str, curve: SlideCurve, nodes: Array, extent: float) -> tuple[S
     Raises:
         GridgenError: for a curve that does not belong to the nodes.
     """
-    at = curve.nearest(nodes, chord_fractions(nodes))
+    at = chord_fractions(nodes)
+    if np.abs(curve.point(at) - nodes).max() > _ROUNDING * extent:  # It is not the curve of these nodes themselves.
+        at = curve.nearest(nodes, at)
     if np.abs(curve.point(at) - nodes).max() > _ON * extent:
         at = curve.nearest(nodes)
     ends = curve.point(np.array([0.0, 1.0]))

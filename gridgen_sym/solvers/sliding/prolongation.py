@@ -23,7 +23,8 @@ _SMOOTH = 0.1
 def finer_parameters(side: SlidingSide, coarse: SlidingSide) -> Array:
     """Return the parameters that a coarser grid's nodes give to those of a side; nodes at corners stay.
 
-    By cubic splines through the coarse nodes and the corners, or monotone cubics where splines overshoot.
+    By cubic polynomials where there are twice as many, else by cubic splines through the coarse nodes and the corners;
+    by monotone cubics where these overshoot.
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -36,13 +37,12 @@ def finer_parameters(side: SlidingSide, coarse: SlidingSide) -> Array:
         (a, b), (low, high) = place[[first, last]], side.at[[first, last]]
         inside = (known > a) & (known < b) & (coarse.at > low) & (coarse.at < high)
         x, y = (np.concatenate(([p], of[inside], [q])) for p, of, q in ((a, known, b), (low, coarse.at, high)))
-        inner = place[first : last + 1]
-        spline = CubicSpline if len(x) > 3 else PchipInterpolator
-        at = spline(x, y)(inner)
-        if len(at) == 2 * len(x) - 1:
-            _shrink_ends(at, y)
+        if last - first == 2 * (len(x) - 1) and len(x) > 3:
+            at = _halved(y)
+        else:
+            at = (CubicSpline if len(x) > 3 else PchipInterpolator)(x, y)(place[first : last + 1])
         if not (np.diff(at) > 0).all():
-            at = PchipInterpolator(x, y)(inner)
+            at = PchipInterpolator(x, y)(place[first : last + 1])
         found[first + 1 : last] = at[1:-1]
     return found
 
@@ -65,19 +65,18 @@ def shrink_corners(fine: Array, coarse: Array) -> None:
             near[0, :_SIMILAR, :_SIMILAR], near[1, :_SIMILAR, :_SIMILAR] = z.real, z.imag
 
 
-def _shrink_ends(fine: Array, coarse: Array) -> None:
-    """Make the ends of parameters (2 n - 1,) that are not smooth similar to those of coarse ones (n,), in place.
-
-    Splines oscillate far from such ends: then polynomials through four parameters each are taken between them.
-    """
-    ratios = [_shrinkage(coarse[::way]) for way in (1, -1)]
-    if ratios == [None, None]:
-        return
+def _halved(coarse: Array) -> Array:
+    """Return parameters (2 n - 1,) between and at coarse ones (n,); ends that are not smooth are similar to theirs."""
+    fine = np.empty(2 * len(coarse) - 1)
+    fine[::2] = coarse
     fine[3:-3:2] = (9 * (coarse[1:-2] + coarse[2:-1]) - coarse[:-3] - coarse[3:]) / 16
-    for way, ratio in zip((1, -1), ratios, strict=True):
+    for way in (1, -1):
+        near, end = coarse[::way], fine[::way]
+        end[1] = (5 * near[0] + 15 * near[1] - 5 * near[2] + near[3]) / 16
+        ratio = _shrinkage(near)
         if ratio is not None:
-            near = coarse[::way][:_SIMILAR]
-            fine[::way][:_SIMILAR] = near[0] + ratio * (near - near[0])
+            end[:_SIMILAR] = near[0] + ratio * (near[:_SIMILAR] - near[0])
+    return fine
 
 
 def _shrinkage(line: Array) -> float | complex | None:
