@@ -43,6 +43,7 @@ class SlideCurve:
         springs: the weights (n - 1,) of the edges of n nodes along it, which are pulled to equal weight times length;
             None where the functional alone spaces the nodes.
         closed: whether it has no ends: parameters go on beyond 1 where they began at 0.
+        cubics: the breaks (m + 1,) and factors (4, m, 2) of a piecewise cubic curve; None for others.
     """
 
     point: Callable[[Array], Array]
@@ -50,6 +51,7 @@ class SlideCurve:
     corners: Array
     springs: Array | None = None
     closed: bool = False
+    cubics: tuple[Array, Array] | None = None
 
     def first(self, t: Array) -> Array:
         """Return the first derivatives (m, 2)."""
@@ -82,8 +84,9 @@ class SlideCurve:
             )
         inner = np.flatnonzero(sharp_turns(line)) if corners is None else corners
         sharp = np.concatenate(([0], inner, [len(line) - 1]))
-        derivatives = _of_cubics(*_splines(arc, line, sharp))
-        return cls(lambda t: derivatives(t)[0], derivatives, arc[sharp])
+        cubics = _splines(arc, line, sharp)
+        derivatives = _of_cubics(*cubics)
+        return cls(lambda t: derivatives(t)[0], derivatives, arc[sharp], cubics=cubics)
 
     @classmethod
     def round_points(cls, points: Array) -> SlideCurve:
@@ -123,7 +126,7 @@ class SlideCurve:
     def as_closed(self) -> SlideCurve:
         """Return the same curve as one without ends; its last point must be its first."""
         whole = replace(self, point=lambda t: self.point(t % 1.0), derivatives=lambda t: self.derivatives(t % 1.0))
-        return replace(whole, closed=True)
+        return replace(whole, closed=True, cubics=None)
 
     def reversed(self) -> SlideCurve:
         """Return the same curve, run through the other way."""
@@ -239,11 +242,15 @@ def _of_cubics(breaks: Array, factors: Array) -> Callable[[Array], Derivatives]:
 
     def derivatives(t: Array) -> Derivatives:
         which = breaks[1:-1].searchsorted(t, side="right")
-        a, b, c, d = factors[:, which]
-        x = (t - breaks[which])[:, None]
-        return ((a * x + b) * x + c) * x + d, (3 * a * x + 2 * b) * x + c, 6 * a * x + 2 * b
+        return cubic_derivatives(factors[:, which], t - breaks[which])
 
     return derivatives
+
+
+def cubic_derivatives(factors: Array, x: Array) -> Derivatives:
+    """Return the values and derivatives (m, 2) of cubics with factors (4, m, 2) at places (m,), one of each."""
+    (a, b, c, d), x = factors, x[:, None]
+    return ((a * x + b) * x + c) * x + d, (3 * a * x + 2 * b) * x + c, 6 * a * x + 2 * b
 
 
 def sharp_turns(line: Array) -> npt.NDArray[np.bool_]:

@@ -11,6 +11,7 @@ from gridgen_sym.boundary.slide_curve import SlideCurve, chord_fractions, slide_
 from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.sliding.prolongation import finer_parameters, shrink_corners
 from gridgen_sym.solvers.sliding.side import SlidingSide, side_index
+from gridgen_sym.solvers.sliding.slide import Slide
 from gridgen_sym.solvers.subdomains import restrict
 
 SIDES_ALL = "bottom", "right", "top", "left"
@@ -212,11 +213,21 @@ def test_a_finer_grid_starts_near_its_solution_where_nodes_crowd(name):
 def test_a_step_along_a_curve_is_as_long_as_it_was_along_the_tangent():
     """To the second order, however the parameter runs along the curve."""
     curve = slide_curve(lambda t: np.stack([np.cos(t + t * t), np.sin(t + t * t)], -1))
-    side = SlidingSide("bottom", side_index("bottom", (9, 3)), curve, np.linspace(0, 1, 9))
-    at = side.at[side.free]
+    slide = Slide([SlidingSide("bottom", side_index("bottom", (9, 3)), curve, np.linspace(0, 1, 9))], (9, 3))
+    start = np.zeros((2, 9, 3))
+    slide.place(start)
+    (side,), at = slide.sides, slide.sides[0].at[1:-1]
     for step in (1e-2, 5e-3):
-        found = side.advanced(np.full(len(at), step))[side.free]
-        assert np.abs(found + found**2 - (at + at**2) - step).max() < step**3
+        _, ((found, _),) = slide.moved(start, np.full(len(at), step))
+        assert np.abs(found + found**2 - (side.at + side.at**2) - step)[1:-1].max() < step**3
+
+
+def test_curves_that_are_evaluated_at_once_are_those_of_their_sides():
+    start = gg.domain("chevron", 17, 13)
+    slide = make_problem(start, "winslow", slide="all").slide
+    _, places = slide.moved(start.planes.copy(), np.random.default_rng(1).normal(scale=0.02, size=len(slide.points[0])))
+    for side, (at, derivatives) in zip(slide.sides, places, strict=True):
+        np.testing.assert_array_equal(derivatives, side.curve.derivatives(at[side.free]))
 
 
 def test_a_side_that_runs_against_its_curve_slides_as_well():

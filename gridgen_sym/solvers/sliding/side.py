@@ -115,22 +115,11 @@ class SlidingSide:
             found[far] = searched + np.rint(found[far] - searched) if self.curve.closed else searched
         self.take(self.place(self.with_free(found)))
 
-    def advanced(self, steps: Array) -> Array:
-        """Return the parameters (n,) after steps (m,) of the nodes that slide, in length along the curve, in order.
-
-        To the second order: a step u of the parameter is u |c'| + u^2 c' . c'' / (2 |c'|) long.
-        """
-        _, slope, bend = self.derivatives
-        square = (slope * slope).sum(axis=1)
-        first = steps / np.sqrt(square)
-        lean = (slope * bend).sum(axis=1) / square * first
-        moved = first * (1.0 - 0.5 * np.minimum(np.maximum(lean, -1.0), 1.0))
-        return self.in_order(self.with_free(self.at[self.free] + moved))
-
     def in_order(self, wanted: Array) -> Array:
         """Return parameters near the wanted ones whose gaps are at least a fraction of the present ones."""
-        over = np.clip(wanted - _KEPT * self.at, (1 - _KEPT) * self.low, (1 - _KEPT) * self.high)
-        if (np.diff(over) < 0).any():
+        over = wanted - _KEPT * self.at
+        np.minimum(np.maximum(over, (1 - _KEPT) * self.low, out=over), (1 - _KEPT) * self.high, out=over)
+        if (over[1:] < over[:-1]).any():
             over = _increasing_round(over) if self.curve.closed else _increasing(over)
         return np.asarray(over + _KEPT * self.at)
 

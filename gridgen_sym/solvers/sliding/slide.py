@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from ...arrays import Array, Mask
 from .hessian import Couplings, along_curves
+from .joined_cubics import JoinedCubics
 from .prolongation import finer_parameters
 from .side import ALONG_XI, Index, Place, SlidingSide, side_index
 
@@ -31,7 +32,18 @@ class Slide:
         tangents: likewise, of length 1.
     """
 
-    __slots__ = ("_bends", "_couplings", "_slopes", "_tried", "nodes", "points", "shape", "sides", "tangents")
+    __slots__ = (
+        "_bends",
+        "_couplings",
+        "_cubics",
+        "_slopes",
+        "_tried",
+        "nodes",
+        "points",
+        "shape",
+        "sides",
+        "tangents",
+    )
 
     def __init__(self, sides: list[SlidingSide], shape: tuple[int, ...]) -> None:
         """Take the sides of a grid."""
@@ -39,6 +51,7 @@ class Slide:
         parts, none = [side.nodes for side in sides], np.empty(0, dtype=np.intp)
         self.nodes: Index = tuple(np.concatenate([none, *(part[axis] for part in parts)]) for axis in range(len(shape)))
         self._couplings: Couplings | None = None
+        self._cubics = JoinedCubics.of(sides)
         # The last trial: where it left the nodes, and their places on the curves.
         self._tried: tuple[Array | None, list[Place]] = None, []
         self._set_tangents()
@@ -133,13 +146,22 @@ class Slide:
         return moved, places
 
     def _advanced(self, steps: Array) -> list[Place]:
-        """Return the places of the nodes of every side after steps (number of nodes,) along the curves."""
-        places, begin = [], 0
+        """Return the places of the nodes of every side after steps (number of nodes,), in length along the curves.
+
+        To the second order: a step u of the parameter is u |c'| + u^2 c' . c'' / (2 |c'|) long.
+        """
+        square = (self._slopes * self._slopes).sum(axis=0)
+        first = steps / np.sqrt(square)
+        lean = (self._slopes * self._bends).sum(axis=0) / square * first
+        changes = first * (1.0 - 0.5 * np.minimum(np.maximum(lean, -1.0), 1.0))
+        found, begin = [], 0
         for side in self.sides:
             end = begin + side.count
-            places.append(side.place(side.advanced(steps[begin:end])))
+            found.append(side.in_order(side.with_free(side.at[side.free] + changes[begin:end])))
             begin = end
-        return places
+        if self._cubics is not None:
+            return self._cubics.places(self.sides, found)
+        return [side.place(at) for side, at in zip(self.sides, found, strict=True)]
 
     def take(self, places: list[Place]) -> None:
         """Take where the nodes of every side are."""
