@@ -1,9 +1,10 @@
 """What sliding sides cost: `optimize` with winslow, with boundary nodes that stay and with all that slide.
 
-    python benchmarks/sliding.py [--nodes N ...]
+    OMP_NUM_THREADS=1 python benchmarks/sliding.py [--nodes N ...]
 
 Prints the table of docs/reference/walls.md: processor seconds of both in one run, their ratio, and the Newton steps on
-the finest grid. Both minimize from transfinite interpolation, on coarse grids first.
+the finest grid. Both minimize from transfinite interpolation, on coarse grids first. With more threads on a busy
+machine the time that they wait counts, too.
 """
 
 from __future__ import annotations
