@@ -137,10 +137,9 @@ def test_the_page_on_the_architecture_has_every_package_in_its_order():
         assert all(f"`{name}`" in page for name in names)
 
 
-@pytest.mark.parametrize("path", FILES, ids=file_name)
-def test_packages_import_only_what_stands_to_their_left(path):
-    assert not objections(TREES[path], path)
-    assert not inner_objections(TREES[path], path)
+def test_packages_import_only_what_stands_to_their_left():
+    assert not {file_name(path): found for path, tree in TREES.items() if (found := objections(tree, path))}
+    assert not {file_name(path): found for path, tree in TREES.items() if (found := inner_objections(tree, path))}
 
 
 @pytest.mark.parametrize(
@@ -241,10 +240,13 @@ LIGHT = [
 ]
 
 
-@pytest.mark.parametrize("path", LIGHT, ids=file_name)
-def test_what_solves_loads_no_symbolic_package(path):
-    early = {name.split(".")[0] for name, when_loaded in imported_modules(parse(path), path) if when_loaded}
-    assert not early & {"sympy", "jinja2"}
+def loaded_early(path):
+    """Return the packages that a file imports at module level."""
+    return {name.split(".")[0] for name, when_loaded in imported_modules(TREES[path], path) if when_loaded}
+
+
+def test_what_solves_loads_no_symbolic_package():
+    assert not {file_name(path) for path in LIGHT if loaded_early(path) & {"sympy", "jinja2"}}
 
 
 def modules_loaded_by(statement):
@@ -273,11 +275,10 @@ def test_packages_that_solve_load_nothing_heavy(package):
     assert not modules_loaded_by(f"import gridgen_sym.{package}") & {*HEAVY}
 
 
-@pytest.mark.parametrize("path", FILES, ids=file_name)
-def test_files_are_short_and_finished(path):
+def test_files_are_short_and_finished():
+    texts = {file_name(path): path.read_text(encoding="utf-8") for path in FILES}
     # The paper's equations are a table of data, one entry each.
-    text = path.read_text(encoding="utf-8")
-    if path.relative_to(PACKAGE).as_posix() != "functionals/paper.py":
-        assert len(text.splitlines()) <= LONGEST_FILE
+    short = {name: text for name, text in texts.items() if name != "functionals/paper.py"}
+    assert not {name for name, text in short.items() if len(text.splitlines()) > LONGEST_FILE}
     words = ("TO" + "DO", "FIX" + "ME")
-    assert not [word for word in words if word in text]
+    assert not {name for name, text in texts.items() if any(word in text for word in words)}

@@ -111,7 +111,9 @@ def test_files_count_and_what_is_newer_than_the_process_is_not_trusted(tmp_path,
 def test_nothing_that_derives_reads_files_that_the_key_leaves_out():
     folders = [ROOT / "gridgen_sym" / name for name in (*kept_texts._GENERATOR, "backends", "documentation")]
     files = {path for folder in folders for path in folder.rglob("*") if path.is_file()}
-    assert {path.suffix for path in files if path.parent.name != "__pycache__"} == {".py"}
+    # One is compiled beside the kernels, and printed by nobody.
+    others = {path.name for path in files if path.parent.name != "__pycache__" and path.suffix != ".py"}
+    assert others == {"each_block.c"}
 
 
 @pytest.mark.slow
