@@ -39,7 +39,7 @@ class Coarsening:
     @property
     def kept(self) -> list[tuple[Indices, Indices]]:
         """For each block the indices of the rows and columns that are kept."""
-        counts = np.add.reduceat(self.stays, self.begin[:-1])
+        counts = np.add.reduceat(self.stays.astype(np.intp), self.begin[:-1])
         lines = np.flatnonzero(self.stays) - np.repeat(self.begin[:-1], counts)
         found = [lines[a:b] for a, b in pairwise([0, *np.cumsum(counts).tolist()])]
         return list(zip(found[::2], found[1::2], strict=True))

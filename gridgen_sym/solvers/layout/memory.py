@@ -107,7 +107,7 @@ def _irregular(coarsening: Coarsening) -> tuple[npt.NDArray[np.int64], Indices]:
 
     That is -1 where they are all, or every second one and the last: compiled code knows these.
     """
-    before, after = np.diff(coarsening.begin), np.add.reduceat(coarsening.stays, coarsening.begin[:-1])
+    before, after = np.diff(coarsening.begin), np.add.reduceat(coarsening.stays.astype(np.intp), coarsening.begin[:-1])
     kept = np.flatnonzero(coarsening.stays)
     lines, rank = kept - np.repeat(coarsening.begin[:-1], after), coarsening.rank[kept]
     count, fine = np.repeat(after, after), np.repeat(before, after)
