@@ -106,6 +106,11 @@ class Numbers:
     def take(self, count: int) -> Array:
         """Return the next numbers, which are not kept."""
         taken, filled = np.empty(count), 0
+        if not self.repeated and count == sum(len(values) for values, _ in self._pieces):
+            while self._pieces:  # The last first, so that the system gets back what is freed.
+                values, _ = self._pieces.pop()
+                taken[count - filled - len(values) : count - filled] = values
+                filled += len(values)
         while filled < count:
             values, repeats = self._pieces.pop(0)
             if repeats is not None:

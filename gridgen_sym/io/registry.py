@@ -17,7 +17,7 @@ from . import formats
 from .format import Format, Storage
 
 #: Descriptions of layouts, which have no nodes of blocks: another function reads them.
-_DESCRIPTIONS = (".toml", ".mesh")
+_DESCRIPTIONS = (".toml", ".mesh", ".msh")
 
 
 @cache

@@ -298,3 +298,18 @@ def test_vtk_reads_the_folder_of_openfoam(tmp_path, name):
                 found[block.GetMetaData(n).Get(block.NAME())] = block.GetBlock(n).GetNumberOfCells()
     expected = {patch.name: len(patch.edges) for patch in mesh.patches}
     assert {key: count for key, count in found.items() if key != "frontAndBack"} == expected
+
+
+@pytest.mark.parametrize("suffix", [".mesh", ".msh"])
+def test_meshes_of_quadrilaterals_are_read_as_layouts(tmp_path, suffix):
+    """Each quadrilateral is a block; boundaries keep their names."""
+    made = turned()
+    gg.write(made, tmp_path / f"grid{suffix}")
+    found = gg.read_layout(tmp_path / f"grid{suffix}", refine=2)
+    mesh = mesh_of(content(made))
+    assert len(found) == len(mesh.cells)
+    assert {name: len(parts) for name, parts in found.boundaries.items()} == {
+        patch.name: len(patch.edges) for patch in mesh.patches
+    }
+    with pytest.raises(gg.GridgenError, match=r"it describes a layout, which gridgen_sym\.read_layout reads"):
+        gg.read(tmp_path / f"grid{suffix}")

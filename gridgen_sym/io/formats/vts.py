@@ -45,8 +45,13 @@ def encode(grid: Grid, words: Collection[str] = ()) -> Iterator[bytes]:
     yield b"</DataArray>\n</Points>\n</Piece>\n</StructuredGrid>\n"
     if binary:
         yield b'<AppendedData encoding="raw">\n_' + np.array(24 * ni * nj, dtype="<u8").tobytes()
-        for points in _points(grid):
-            yield np.insert(points, 2, 0.0, axis=1).astype("<f8", copy=False).tobytes()
+        step = max(1, _PIECE // ni)
+        points = np.zeros((step, ni, 3), dtype="<f8")
+        for begin in range(0, nj, step):
+            count = min(step, nj - begin)
+            for axis in range(2):
+                points[:count, :, axis] = grid.planes[axis, :, begin : begin + count].T
+            yield points[:count].tobytes()
         yield b"\n</AppendedData>\n"
     yield b"</VTKFile>\n"
 
