@@ -111,16 +111,6 @@ def raster() -> tuple[np.ndarray, np.ndarray]:
     return np.linspace(-3, 1.5, 8), np.linspace(3, -1, 7)
 
 
-def odd_raster() -> Case:
-    """Return a case of the samples of a differentiated weight on a raster."""
-    samples, along = 1 + 0.1 * _random(4).random((8, 7)), _random(5).standard_normal((8, 7))
-
-    def weight(t: float) -> gg.Weight:
-        return gg.Weight.on_raster(*raster(), samples + t * along, "differentiated")
-
-    return odd({"weight": weight}, {"weight": along}, lambda g: (g.weight * along).sum(), weight=weight(0.0))
-
-
 def held_samples() -> Case:
     """Return a case of the samples of a frozen weight, which is evaluated where nodes come to."""
     (x, y), along = raster(), 0.1 * _random(5).standard_normal((8, 7))

@@ -17,9 +17,7 @@ ONE_BLOCK: dict[str, Callable[[], Case]] = {
     "boundary": cases.odd_boundary,
     "parameter": cases.odd_parameter,
     "weight_node": partial(cases.odd_weight, "node"),
-    "weight_cell": partial(cases.odd_weight, "cell"),
     "weight_corner": partial(cases.odd_weight, "corner"),
-    "raster": cases.odd_raster,
     "fields": cases.odd_field,
     "lengths": cases.odd_lengths,
     "held_values": partial(cases.held_values, "numpy"),
@@ -29,8 +27,6 @@ ONE_BLOCK: dict[str, Callable[[], Case]] = {
 SLIDING: dict[str, Callable[[], Case]] = {
     "own_curves": cases.sliding_boundary,
     "points": partial(cases.sliding_curve, points=True),
-    "points_backwards": partial(cases.sliding_curve, points=True, backwards=True),
-    "function": partial(cases.sliding_curve, points=False),
     "function_backwards": partial(cases.sliding_curve, points=False, backwards=True),
     "wall_data": partial(cases.walled, "data"),
     "wall_boundary": partial(cases.walled, "boundary"),
