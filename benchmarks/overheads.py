@@ -28,6 +28,7 @@ def run() -> Table:
 def _rows() -> list[tuple[str, int, float, float | None, Callable[[], object], Callable[[], object]]]:
     """Return name, size, the times before and wanted (None: 4 times the kernel), the call and its kernel."""
     large, small = start_grid("wavy", 1025), start_grid("wavy", 257)
+    slopes = small.xy
     winslow = kernels(gg.functional("winslow"))
     return [
         ("gg.hessian", 1025, 4.3, None, lambda: gg.hessian(large, "winslow"),
@@ -37,6 +38,8 @@ def _rows() -> list[tuple[str, int, float, float | None, Callable[[], object], C
         ("gg.quality, all measures", 1025, 0.69, 0.05, lambda: gg.quality(large).summary(),
          lambda: winslow.energy(large.planes)),
         ("gg.gradient", 257, 0.0026, 0.0007, lambda: gg.gradient(small, "winslow"),
+         lambda: winslow.energy_gradient(small.planes)),
+        ("gg.gradient, out=", 257, 0.0026, 0.0007, lambda: gg.gradient(small, "winslow", out=slopes),
          lambda: winslow.energy_gradient(small.planes)),
     ]  # fmt: skip
 

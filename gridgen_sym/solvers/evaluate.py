@@ -11,12 +11,13 @@ import numpy.typing as npt
 from ..arrays import Array
 from ..boundary.wall import Wall
 from ..deprecation import renamed_arguments
-from ..errors import GridgenError
+from ..errors import GridgenError, quoted
 from ..fields.target import Target
 from ..fields.weight import Source, Weight
 from ..functionals.definition import Functional
 from ..functionals.registry import functional as find_functional
 from ..grids import Grid
+from ..grids.grid import check_grid
 from .binding import make_problem
 from .differentiability import missing_value
 from .layout.dispatch import on_several_blocks
@@ -29,7 +30,7 @@ from .problem import Problem
 def _problem(grid: Grid, functional: str | Functional, **given: Any) -> Problem:  # noqa: ANN401
     """Bind a functional to a grid, all nodes of which must lie in the samples of what it is given."""
     problem = make_problem(grid, functional, **given)
-    problem.check_samples(grid.planes)
+    problem.check_samples(grid.planes)  # Of a folded grid, which binding does not look at.
     return problem
 
 
@@ -75,7 +76,7 @@ def energy(
     return found
 
 
-@on_several_blocks(layout_gradient, without=("walls", "interior_only"))
+@on_several_blocks(layout_gradient, without=("walls", "interior_only", "out"))
 @renamed_arguments(stacklevel=3, name="functional")
 def gradient(
     grid: Grid,
@@ -90,11 +91,17 @@ def gradient(
     interior_only: bool = False,
     spacing: Spacing = "unit",
     backend: str | None = None,
+    out: Array | None = None,
 ) -> Array:
     """Return the gradient of the discrete energy (see `energy`) in the nodes' positions.
 
-    An array (ni, nj, 2), zero at fixed nodes.
+    An array (ni, nj, 2), zero at fixed nodes. With `out`, an array of that shape of float64, it is written there, and
+    `out` is returned: for many calls, as no memory is new.
+
+    Raises:
+        GridgenError: as for `optimize`, and for another `out`.
     """
+    _check_out(out, grid)
     problem = _problem(
         grid,
         functional,
@@ -108,7 +115,19 @@ def gradient(
         spacing=spacing,
         backend=backend,
     )
-    return np.stack(tuple(problem.energy_gradient(grid.planes)[2]), axis=-1)
+    return np.stack(tuple(problem.energy_gradient(grid.planes)[2]), axis=-1, out=out)
+
+
+def _check_out(out: object, grid: Grid) -> None:
+    """Refuse what a gradient cannot be written to."""
+    if out is None:
+        return
+    check_grid(grid)
+    if not (isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == (*grid.shape, 2)):
+        came = f"{out.dtype}, shape {out.shape}" if isinstance(out, np.ndarray) else quoted(out)
+        raise GridgenError(f"out must be an array of float64 of the shape {(*grid.shape, 2)}; came {came}")
+    if not out.flags.writeable:
+        raise GridgenError("out must be an array that can be written to; came a read-only one")
 
 
 @on_several_blocks(layout_hessian, without=("walls", "interior_only"))

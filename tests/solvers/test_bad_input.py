@@ -290,3 +290,26 @@ def test_a_mirrored_grid_cannot_be_made_valid(solve):
     assert not result.converged
     assert result.quality.folded_cells > 0
     assert "folded" in result.message
+
+
+def test_a_gradient_is_written_where_it_is_asked_for():
+    grid = gg.domain("wavy", 7, 6)
+    out = np.full((7, 6, 2), np.nan)
+    assert gg.gradient(grid, "winslow", out=out) is out
+    assert np.array_equal(out, gg.gradient(grid, "winslow"))
+    with pytest.raises(gg.GridgenError, match="several blocks does not take 'out'"):
+        gg.gradient(gg.layout("tee"), "winslow", out=out)
+
+
+@pytest.mark.parametrize(
+    ("out", "came"),
+    [
+        (np.zeros((2, 7, 6)), r"of the shape \(7, 6, 2\); came float64, shape \(2, 7, 6\)"),
+        (np.zeros((7, 6, 2), dtype=np.float32), "came float32"),
+        ([], r"came \[\]"),
+        (np.broadcast_to(0.0, (7, 6, 2)), "read-only"),
+    ],
+)
+def test_a_gradient_is_not_written_elsewhere(out, came):
+    with pytest.raises(gg.GridgenError, match=came):
+        gg.gradient(gg.domain("wavy", 7, 6), "winslow", out=out)
