@@ -52,9 +52,15 @@ def ordered_variants(texts: Iterable[str]) -> tuple[Variant, ...]:
     """Return variants that a user has written, with their parts in order, each once.
 
     Raises:
-        GridgenError: for what is no variant.
+        GridgenError: for what is no variant, or one of mixed derivatives.
     """
-    return tuple(dict.fromkeys(Modes.ordered(text).variant for text in texts))
+    modes = [Modes.ordered(text) for text in texts]
+    for one in modes:
+        if one.mixed:
+            raise GridgenError(
+                f"the variant {one.variant!r} is not written for other programs: mixed derivatives are for `Result.vjp`"
+            )
+    return tuple(dict.fromkeys(one.variant for one in modes))
 
 
 def exported_sources(functionals: Sequence[Functional], command: ExportCommand) -> Iterator[Source]:

@@ -149,6 +149,7 @@ def test_a_file_of_somebody_else_is_never_replaced(project):
         ("generate odd --functionals mine.py -o a*/b", "cannot stand in a comment"),
         ("generate length -o kernels --variant moving", "unknown variant 'moving': it is 'plain', 'regularized'"),
         ("generate length -o kernels --variant target+target", "unknown variant 'target+target'"),
+        ("generate length -o kernels --variant mixed+target", "the variant 'target+mixed' is not written for other"),
         ("generate length -o kernels --variant M:differentiated", "functional 'length' has no field 'M', which"),
         ("generate length -o kernels --variant regularized", "'length' has no barrier at J = 0: there is nothing"),
         ("generate --variant target", "name the functionals whose kernels you want"),

@@ -190,6 +190,23 @@ def sliding_boundary() -> Case:
     )
 
 
+def moved_turn() -> Case:
+    """Return a case of the boundary, one sharp turn of which another node holds than at the start."""
+    s, t = np.linspace(0, 1, 25)[:, None], np.linspace(0, 1, 17)[:, None]
+    first, turn, last = np.array([0.0, 0.0]), np.array([2.0, 0.0]), np.array([3.0, 1.0])
+    up = np.array([0.0, 2.0])
+    before, after = np.linspace(0, 1, 5)[:-1, None], np.linspace(0, 1, 21)[:, None]
+    bottom = np.concatenate((first + (turn - first) * before, turn + (last - turn) * after))
+    base = gg.transfinite(bottom, up + (last - first) * s, first + up * t, last + up * t).xy
+    moved = 0.3 * boundary_change(base)
+    return Case(
+        lambda step: gg.optimize(gg.Grid(base + step * moved), "winslow", slide="all", **TIGHT),
+        {"boundary": moved},
+        lambda g: (g.boundary * moved).sum(),
+        step=3e-4,
+    )
+
+
 def sliding_curve(*, points: bool, backwards: bool = False) -> Case:
     """Return a case of the curve of one side: points, or a function."""
     base, s = start(), np.linspace(0, 1, 30)

@@ -26,6 +26,7 @@ ONE_BLOCK: dict[str, Callable[[], Case]] = {
 }
 SLIDING: dict[str, Callable[[], Case]] = {
     "own_curves": cases.sliding_boundary,
+    "moved_turn": cases.moved_turn,
     "points": partial(cases.sliding_curve, points=True),
     "function_backwards": partial(cases.sliding_curve, points=False, backwards=True),
     "wall_data": partial(cases.walled, "data"),
