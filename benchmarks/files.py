@@ -2,7 +2,7 @@
 
     python benchmarks/files.py [--nodes 2048] [FORMAT ...]
 
-Binary formats are compared with `numpy.save` of the same numbers to the same disk, flushed as our own files are; texts
+Binary formats are compared with `numpy.save` to the same disk, flushed as our own files are, in bytes a second; texts
 with the numbers that `numpy.savetxt` writes in a second. Memory is the peak of a process of its own above that of the
 import, in copies of the coordinates: the grid itself is one of them. Times are the best of three runs, of binary
 formats elapsed seconds, to the disk and back, of texts processor seconds.
@@ -62,7 +62,7 @@ def table(nodes: int, formats: list[str], folder: Path) -> None:
             row = [title]
             for action in ("write", "read")[: 2 if form.decode else 1]:
                 seconds = least(lambda action=action, title=title, path=path: act(action, title, path, grid), clock)
-                ratio = save / seconds if binary else numbers_in(path, grid) / seconds / savetxt
+                ratio = bytes_of(path) / size * save / seconds if binary else numbers_in(path, grid) / seconds / savetxt
                 row += [f"{seconds:.2f}", f"{ratio:.2f}", f"{copies(action, title, path, nodes, size):.1f}"]
             print(f"| {' | '.join(row + [''] * (len(HEAD) - len(row)))} |", flush=True)
 
@@ -110,6 +110,13 @@ def numbers_in(path: Path, grid: gg.Grid) -> int:
                 blank = np.frombuffer(piece, dtype=np.uint8) <= ord(",")
                 words += int(np.count_nonzero(blank[:-1] & ~blank[1:]))
     return max(words, grid.planes.size)
+
+
+def bytes_of(path: Path) -> int:
+    """Return the bytes of what was written: a file, and a folder of the same name, if there is one."""
+    folder = path if path.is_dir() else path.with_suffix("")
+    inside = sum(file.stat().st_size for file in folder.iterdir()) if folder.is_dir() else 0
+    return inside + (path.stat().st_size if path.is_file() else 0)
 
 
 def least(call: Callable[[], object], clock: Callable[[], float]) -> float:

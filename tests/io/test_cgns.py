@@ -82,6 +82,18 @@ def test_one_grid_gives_one_file():
     assert encoded(Blocks((GRID,))) == encoded(Blocks((GRID,)))
 
 
+def test_without_room_for_temporary_files_that_is_told(monkeypatch, tmp_path):
+    pytest.importorskip("h5py")
+
+    def full():
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", full)
+    with pytest.raises(GridgenError, match=r"folder for temporary files: .*No space left on device; free space there"):
+        GRID.write(tmp_path / "swan.cgns")
+    assert not list(tmp_path.iterdir())
+
+
 def test_without_h5py_the_extra_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(MissingExtraError, match=r"gridgen-sym\[io\]"):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import io
+import tempfile
 from collections.abc import Iterator
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO
 
 import numpy as np
 
@@ -35,29 +35,41 @@ def encode(blocks: Blocks) -> Iterator[bytes]:
     """
     h5py = library("writing")
     _check_names(blocks)
-    file = io.BytesIO()
-    with h5py.File(file, "w", track_order=True) as root:
-        begin(root, h5py.version.hdf5_version)
-        base = add(root, "Base", "CGNSBase_t", integers(2, 2))
-        for name in blocks.boundaries:
-            add(base, name, "Family_t")
-        for number, (name, grid) in enumerate(blocks.described):
-            nodes = np.array(grid.shape, dtype=np.int32)
-            zone = add(base, name, "Zone_t", np.stack((nodes, nodes - 1, 0 * nodes)))
-            add(zone, "ZoneType", "ZoneType_t", text("Structured"))
-            coordinates = add(zone, "GridCoordinates", "GridCoordinates_t")
-            add(coordinates, "CoordinateX", "DataArray_t", grid.x.T)
-            add(coordinates, "CoordinateY", "DataArray_t", grid.y.T)
-            add(zone, "Ordinal", "Ordinal_t", integers(number + 1))
-            add_boundaries(zone, blocks, number)
-            add_connections(zone, blocks, number)
+    try:
+        # In a file, not in memory: that is faster, and the numbers are not there once more.
+        file = tempfile.TemporaryFile()  # noqa: SIM115 - it is closed after its last piece
+        with h5py.File(file, "w", track_order=True) as root:
+            _fill(root, blocks, h5py.version.hdf5_version)
+    except OSError as error:
+        raise GridgenError(
+            f"cannot make a CGNS file in the folder for temporary files: {error}; free space there, or set TMPDIR"
+        ) from error
     return _pieces(file)
 
 
-def _pieces(file: io.BytesIO) -> Iterator[bytes]:
-    file.seek(0)
-    while piece := file.read(_PIECE):
-        yield piece
+def _fill(root: Any, blocks: Blocks, version: str) -> None:  # noqa: ANN401 - h5py's groups
+    """Write the tree of some blocks."""
+    begin(root, version)
+    base = add(root, "Base", "CGNSBase_t", integers(2, 2))
+    for name in blocks.boundaries:
+        add(base, name, "Family_t")
+    for number, (name, grid) in enumerate(blocks.described):
+        nodes = np.array(grid.shape, dtype=np.int32)
+        zone = add(base, name, "Zone_t", np.stack((nodes, nodes - 1, 0 * nodes)))
+        add(zone, "ZoneType", "ZoneType_t", text("Structured"))
+        coordinates = add(zone, "GridCoordinates", "GridCoordinates_t")
+        add(coordinates, "CoordinateX", "DataArray_t", grid.x.T)
+        add(coordinates, "CoordinateY", "DataArray_t", grid.y.T)
+        add(zone, "Ordinal", "Ordinal_t", integers(number + 1))
+        add_boundaries(zone, blocks, number)
+        add_connections(zone, blocks, number)
+
+
+def _pieces(file: IO[bytes]) -> Iterator[bytes]:
+    with file:
+        file.seek(0)
+        while piece := file.read(_PIECE):
+            yield piece
 
 
 def _check_names(blocks: Blocks) -> None:
@@ -96,7 +108,7 @@ def decode(stream: BinaryIO) -> Blocks:
         raise GridgenError(f"its tree is damaged ({shortened(error)}): write it again") from error
 
 
-def _blocks(root: Any) -> Blocks:  # noqa: ANN401 - h5py's groups
+def _blocks(root: Any) -> Blocks:  # noqa: ANN401
     nodes = children(only(root, "CGNSBase_t"), "Zone_t")
     if not nodes:
         raise GridgenError("it has no nodes of the type Zone_t; expected one for each block")
