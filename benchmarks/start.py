@@ -65,7 +65,7 @@ def run(quick: bool) -> list[Table]:
         command = ["grid", "swan", "-f", "winslow", "--size", "64", "64", "-o", str(Path(folder) / "swan.vts")]
         _command("-m", "gridgen_sym", *command)
         warm = _children(["-m", "gridgen_sym", *command], runs)
-        table.add("`gridgen-sym grid swan -f winslow --size 64 64 -o swan.vts`", *warm, 1)
+        table.add("`gridgen-sym grid swan -f winslow --size 64 64 -o swan.vts`", *warm, 0.5)
     names = ["winslow", "modified_liao"] if quick else sorted(gg.functionals(literature=False))
     for name in names:
         with tempfile.TemporaryDirectory() as cache:

@@ -14,6 +14,8 @@ from .problem import Problem
 
 #: A rectangle with more than this fraction of all nodes is no small subdomain.
 _LARGEST = 0.25
+#: Up to this many marks are grouped one by one: loading scipy.ndimage takes longer.
+_FEW = 1000
 
 
 def subdomains(marked: npt.NDArray[np.bool_], layers: int) -> Iterator[tuple[slice, slice]]:
@@ -25,12 +27,38 @@ def subdomains(marked: npt.NDArray[np.bool_], layers: int) -> Iterator[tuple[sli
         marked: (ni, nj), of the nodes.
         layers: of nodes.
     """
+    few = np.count_nonzero(marked) <= _FEW
+    for window in _windows_of_few(marked, layers) if few else _windows(marked, layers):
+        if marked[window].size <= _LARGEST * marked.size:
+            yield window
+
+
+def _windows(marked: npt.NDArray[np.bool_], layers: int) -> list[tuple[slice, slice]]:
+    """Return the rectangles, in the order in which rows of nodes meet what they surround."""
     from scipy.ndimage import find_objects, label, maximum_filter
 
-    groups, _ = label(maximum_filter(marked, 2 * layers + 1, mode="constant"), np.ones((3, 3)))
-    for window in find_objects(groups):
-        if groups[window].size <= _LARGEST * groups.size:
-            yield window
+    return list(find_objects(label(maximum_filter(marked, 2 * layers + 1, mode="constant"), np.ones((3, 3)))[0]))
+
+
+def _windows_of_few(marked: npt.NDArray[np.bool_], layers: int) -> list[tuple[slice, slice]]:
+    """Return the same, mark by mark: surroundings touch where marks are up to 2 `layers` + 1 rows and columns apart."""
+    left, reach = marked.copy(), 2 * layers + 1
+    found = []
+    for begin in map(tuple, np.argwhere(marked)):
+        group, at = [begin] if left[begin] else [], 0
+        left[begin] = False
+        while at < len(group):
+            first = np.maximum(np.array(group[at]) - reach, 0)
+            window = left[first[0] : group[at][0] + reach + 1, first[1] : group[at][1] + reach + 1]
+            group += map(tuple, np.argwhere(window) + first)
+            window[...] = False
+            at += 1
+        if group:
+            low, high = np.maximum(np.array(group) - layers, 0), np.array(group) + layers + 1
+            rows, columns = zip(low.min(axis=0), np.minimum(high.max(axis=0), marked.shape), strict=True)
+            met = int(low[low[:, 0] == rows[0], 1].min())
+            found.append((int(rows[0]), met, (slice(*map(int, rows)), slice(*map(int, columns)))))
+    return [window for _, _, window in sorted(found, key=lambda one: one[:2])]
 
 
 def folded_nodes(coordinates: Array, fixed: Mask) -> npt.NDArray[np.bool_]:

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from support_boundaries import SEEDS, SIZES, grid_of_ring, star_polygon
 
 import gridgen_sym as gg
+from gridgen_sym.solvers import harmonic
+from gridgen_sym.solvers import subdomains as subdomains_module
 from gridgen_sym.solvers.binding import make_problem
 from gridgen_sym.solvers.folds import Folds, mean_jacobian
 from gridgen_sym.solvers.harmonic import SIDES, harmonic_extension
@@ -78,6 +80,26 @@ def test_subdomains_hold_what_is_marked_and_its_surroundings():
     assert list(subdomains(marked, 3)) == [(slice(0, 7), slice(1, 8)), (slice(27, 35), slice(17, 30))]
     marked[::2, ::2] = True
     assert list(subdomains(marked, 3)) == []  # The whole grid is no subdomain.
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_few_marks_have_the_subdomains_of_many(monkeypatch, seed):
+    random = np.random.default_rng(seed)
+    marked = random.random(random.integers(8, 60, 2)) < random.choice((0.0, 0.005, 0.02, 0.1))
+    layers = int(random.integers(0, 4))
+    monkeypatch.setattr(subdomains_module, "_LARGEST", 1.0)
+    found = list(subdomains(marked, layers))
+    monkeypatch.setattr(subdomains_module, "_FEW", -1)
+    assert found == list(subdomains(marked, layers))
+
+
+@pytest.mark.parametrize(("ni", "nj"), [(9, 12), (6, 30)])
+def test_small_and_large_harmonic_extensions_are_the_same(monkeypatch, ni, nj):
+    random = np.random.default_rng(1)
+    sides = [random.standard_normal((2, count)) for count in (nj, nj, ni, ni)]
+    found = harmonic_extension(*sides)
+    monkeypatch.setattr(harmonic, "_SMALL", 0)
+    np.testing.assert_allclose(found, harmonic_extension(*sides), rtol=1e-12, atol=1e-14)
 
 
 def test_what_is_cut_out_is_a_problem_of_its_own():
