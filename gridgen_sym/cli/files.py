@@ -25,12 +25,15 @@ from .output import report
 @option(FILES["form"], *("--to", "write_form"), more=" of OUT", metavar="FORM")
 @click.option("--quiet", is_flag=True, help="Report nothing but what is wrong.")
 def convert(source: str, target: str, layout: bool, read_form: str | None, write_form: str | None, quiet: bool) -> None:
-    """Read the grid in IN and write it to OUT, in the format that its suffix selects."""
-    from ..io import check_written, read, write
+    """Read the grid in IN and write it to OUT, in the format that its suffix selects.
+
+    Connections and names of boundaries that IN, or the neutral map file (.nmf) beside it, tells of are kept.
+    """
+    from ..io import check_written, read, read_as_told, write
     from ..topology import MultiBlock
 
     check_written(target, form=write_form or "")
-    made = read(source, layout=layout, form=read_form or "")
+    made = read(source, layout=True, form=read_form or "") if layout else read_as_told(source, read_form or "")
     write(made, target, form=write_form or "")
     blocks = made.blocks if isinstance(made, MultiBlock) else (made,)
     sizes = ", ".join(f"{ni} x {nj}" for ni, nj in (grid.shape for grid in blocks[:4])) + ", ..." * (len(blocks) > 4)

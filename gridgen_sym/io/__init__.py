@@ -2,6 +2,7 @@
 
 from ..grids.grid import write_grids_with
 from .files import read as read
+from .files import read_as_told as read_as_told
 from .files import read_masks as read_masks
 from .files import write as write
 from .registry import check_written as check_written

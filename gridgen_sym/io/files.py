@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
@@ -47,9 +47,30 @@ def read(path: str | os.PathLike[str], *, layout: bool = False, form: str = "") 
             coordinates that are no grid, or connections that do not fit the blocks; the message names the path.
         MissingExtraError: for a format that needs a package which is not installed.
     """
+    return _read(path, form, lambda blocks: layout or len(blocks.grids) > 1)
+
+
+def read_as_told(path: str | os.PathLike[str], form: str = "") -> Grid | MultiBlock:
+    """Read a grid; one block, too, is a `MultiBlock` where the file or the map beside it tells of names or connections.
+
+    Args:
+        path: the file.
+        form: words that select a format, or a variant of one, as for `read`.
+
+    Raises:
+        GridgenError: as for `read`.
+        MissingExtraError: as for `read`.
+    """
+    from .layouts import tells_connections
+
+    return _read(path, form, lambda blocks: len(blocks.grids) > 1 or tells_connections(blocks, path))
+
+
+def _read(path: str | os.PathLike[str], form: str, connects: Callable[[Blocks], bool]) -> Grid | MultiBlock:
+    """Return the only block of a file or, if the sides of its blocks are to be connected, a layout."""
     chosen, words = format_for(path, form, written=False)
     blocks = _decoded(chosen, words, path)
-    if len(blocks.grids) == 1 and not layout:
+    if not connects(blocks):
         return blocks.grids[0]
     from .layouts import assembled
 

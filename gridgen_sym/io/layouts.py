@@ -34,9 +34,7 @@ def assembled(blocks: Blocks, path: str | os.PathLike[str]) -> MultiBlock:
     Raises:
         GridgenError: if the map does not fit the blocks, or their connected nodes do not coincide.
     """
-    if blocks.bonds is not None or blocks.boundaries:
-        return _of_file(blocks, path)
-    beside = next((p for p in (map_path(path), map_path(path).with_suffix(_SUFFIX.upper())) if p.is_file()), None)
+    beside = None if blocks.bonds is not None or blocks.boundaries else _map_beside(path)
     if beside is None:
         return _of_file(blocks, path)
     try:
@@ -47,6 +45,16 @@ def assembled(blocks: Blocks, path: str | os.PathLike[str]) -> MultiBlock:
         return _connected(named, found)
     except GridgenError as error:
         raise GridgenError(f"cannot read {shown(beside)} as a neutral map file: {error}") from error
+
+
+def tells_connections(blocks: Blocks, path: str | os.PathLike[str]) -> bool:
+    """Return whether a file, or the map beside it, tells of connections or of names of boundaries."""
+    return bool(blocks.bonds or blocks.boundaries) or (blocks.bonds is None and _map_beside(path) is not None)
+
+
+def _map_beside(path: str | os.PathLike[str]) -> Path | None:
+    """Return the neutral map file that lies beside a grid file, if there is one."""
+    return next((p for p in (map_path(path), map_path(path).with_suffix(_SUFFIX.upper())) if p.is_file()), None)
 
 
 def _of_file(blocks: Blocks, path: str | os.PathLike[str]) -> MultiBlock:

@@ -104,12 +104,12 @@ def decode(data: bytes, shapes: Sequence[tuple[int, int]]) -> NeutralMap:
 def _name(names: list[str], line: int, block: str, text: str) -> None:
     """Set the name of a block from a comment."""
     try:
-        name = json.loads(text)
-    except ValueError:
-        name = None
-    if not isinstance(name, str) or not 0 < int(block) <= len(names):
+        name, number = json.loads(text), whole_number_in(block)
+    except (ValueError, RecursionError):
+        name, number = None, 0
+    if not isinstance(name, str) or not 0 < number <= len(names):
         raise GridgenError(f"line {line}: expected a block from 1 to {len(names)} and its name in quotes")
-    names[int(block) - 1] = name
+    names[number - 1] = name
 
 
 def _motion(line: int, *texts: str) -> tuple[float, tuple[float, float]]:

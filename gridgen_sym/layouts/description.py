@@ -29,7 +29,7 @@ def decode(data: bytes, folder: Path) -> tuple[Wireframe, dict[str, Wall]]:
     """
     try:
         given = tomllib.loads(data.decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # Also of whole numbers with thousands of digits.
         raise GridgenError(f"it is no TOML file: {error}") from None
     check_keys(given, _TABLES, "a layout", required=("blocks", "cells"))
     points = {name: pair(place, f"the point {name}") for name, place in table(given, "points").items()}

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
-
-import numpy as np
 
 from ..errors import GridgenError, quoted
 
@@ -47,7 +46,7 @@ def real(value: object, what: str) -> float:
     Raises:
         GridgenError: if it is none.
     """
-    if not isinstance(value, int | float) or isinstance(value, bool) or not np.isfinite(value):
+    if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) <= sys.float_info.max:
         raise GridgenError(f"{what} must be a finite number; came {quoted(value)}")
     return float(value)
 

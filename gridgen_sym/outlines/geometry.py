@@ -64,7 +64,7 @@ def _curve(places: object) -> Array:
     """Return the vertices (n, 2) of a curve; heights, and points that repeat the one before, are left out."""
     try:
         points = np.array([(float(place[0]), float(place[1])) for place in _listed(places)])
-    except (TypeError, ValueError, IndexError, KeyError) as error:
+    except (TypeError, ValueError, OverflowError, IndexError, KeyError) as error:
         raise GridgenError(f"coordinates must be pairs of numbers, but in {quoted(places, 60)} are others") from error
     points = points.reshape(-1, 2)
     repeated = np.zeros(len(points), dtype=bool)

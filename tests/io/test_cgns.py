@@ -290,7 +290,14 @@ def test_faults_of_zones_are_told(change, message):
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [("a" * 33, "1 to 32 bytes"), ("a/b", "without slashes"), ("", "1 to 32 bytes"), ("0", "of one name")],
+    [
+        ("a" * 33, "1 to 32 bytes"),
+        ("a/b", "without slashes"),
+        ("a ", "blanks at its ends"),
+        ("\ud800", "without slashes"),
+        ("", "1 to 32 bytes"),
+        ("0", "of one name"),
+    ],
 )
 def test_names_that_cgns_cannot_hold(tmp_path, name, message):
     pytest.importorskip("h5py")

@@ -476,6 +476,7 @@ def test_columns_in_any_order_among_others():
         ("1,0,0.25,0\n", "1,0,a,0\n", "four numbers a row"),
         ("1,0,0.25,0\n", "1,0,1_0,0\n", "four numbers a row"),
         ("1,0,0.25,0\n", "1e300,0,0.25,0\n", "whole numbers from 0 on, below 2147483648"),
+        ("1,0,0.25,0\n", "1e999,0,0.25,0\n", "must hold whole numbers from 0 on"),
         ("1,0,0.25,0\n", "1,0,nan,0\n", r"node \(1, 0\) is \(nan"),
     ],
 )

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import io
+import itertools
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from layouts import butterfly, cut, kinks, ring
 from support import NO_SHARED, SHARED
 
 import gridgen_sym as gg
+from gridgen_sym.cli import main
 from gridgen_sym.io.format import Blocks
 from gridgen_sym.io.formats import plot3d
 from gridgen_sym.io.plot3d_writing import written
@@ -17,6 +20,7 @@ from gridgen_sym.io.plot3d_writing import written
 NASA = SHARED / "nasa"
 FILES = sorted(NASA.glob("*.p2dfmt"))
 SQUARE = gg.domain("square", 5, 7)
+SIDES = ("bottom", "right", "top", "left")
 SEVERAL = [".xyz", ".p2dfmt", ".vtm"]
 #: Every part of a side, connected and named, of a block with a second one that is turned by a quarter.
 NAMES = {"wall": [(0, "bottom", (0, 2)), (0, "left")], "far field": [(0, "bottom", (2, 4)), (1, "top")]}
@@ -264,6 +268,7 @@ def test_maps_in_other_directions(tmp_path):
         ("2 1  1 2  7 1", "2 2  1 2  1 7", r"line 9: connected nodes must be at one place, but node .* of block 1"),
         ("1 4  1 5", "1 5  1 5", "line 10: expected face 5 of block 1 in its whole depth"),
         ("# a comment\n", "# gridgen-sym: block 3 is named \"x\"\n", "line 1: expected a block from 1 to 2"),
+        ("# a comment\n", f"# gridgen-sym: block {'9' * 5000} is named \"x\"\n", "line 1: expected a block from"),
         (MAP, "# nothing", "it has no lines but comments"),
         (MAP, "2\n1 2 5 7\n", "line 2: the file ends after it; expected a line with the sizes of each of 2 blocks"),
     ],
@@ -280,6 +285,31 @@ def test_names_that_a_map_cannot_hold_are_told_before_anything_is_written(tmp_pa
     with pytest.raises(gg.GridgenError, match="cannot hold the boundary name"):
         layout.write(tmp_path / "grid.p2dfmt")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["", " a", "a\nb", "a\0b", "\u2028a", "\ud800"])
+def test_names_of_blocks_come_back_or_are_refused_before_anything_is_written(tmp_path, name):
+    layout = gg.MultiBlock({name: SQUARE}, boundaries={"all": [(0, side) for side in SIDES]})
+    for suffix in (".vtm", ".tec", ".msh", ".mesh"):
+        with pytest.raises(gg.GridgenError, match="cannot hold the block name"):
+            layout.write(tmp_path / f"grid{suffix}")
+    assert not list(tmp_path.iterdir())
+    layout.write(tmp_path / "grid.xyz")
+    assert gg.read(tmp_path / "grid.xyz", layout=True).names == (name,)
+
+
+def test_conversion_keeps_what_a_file_of_one_block_tells(tmp_path):
+    around = ring(np.linspace(0, 2 * np.pi, 9), 1.0, 3.0, 5)
+    layout = gg.MultiBlock([around], [gg.Connection((0, "left"), (0, "right"))], boundaries={"far field": [(0, "top")]})
+    paths = [tmp_path / name for name in ("a.p2dfmt", "b.vts", "c.npz", "d.tec")]
+    layout.write(paths[0])
+    for source, target in itertools.pairwise(paths):
+        assert CliRunner().invoke(main, ["convert", str(source), str(target)]).exit_code == 0
+    found = gg.read(paths[-1], layout=True)
+    assert (found.bonds, found.boundaries) == (layout.bonds, layout.boundaries)
+    (tmp_path / "d.nmf").unlink()
+    CliRunner().invoke(main, ["convert", str(paths[-1]), str(tmp_path / "e.vts")])
+    assert not (tmp_path / "e.nmf").exists()
 
 
 def test_a_folder_with_other_files_is_not_replaced(tmp_path):

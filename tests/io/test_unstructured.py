@@ -95,7 +95,7 @@ def test_the_kind_of_a_boundary_is_in_its_name(name, kind):
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
-@pytest.mark.parametrize("name", ["a\nb", ""])
+@pytest.mark.parametrize("name", ["a\nb", "", "\ud800"])
 def test_names_that_a_format_cannot_hold(tmp_path, suffix, name):
     layout = gg.MultiBlock([SWAN], [], boundaries={name: [(0, "left")]})
     with pytest.raises(gg.GridgenError, match="cannot hold the boundary name"):

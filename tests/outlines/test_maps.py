@@ -103,6 +103,7 @@ def test_corners_are_the_points_nearest_to_four_places(tmp_path):
             r"the point \[1e\+200, 1.0\] is not finite",
         ),
         ('{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [NaN, 1]]]}', r"the point \[nan, 1.0\] is not finite"),
+        (f'{{"type": "Polygon", "coordinates": [[[0, 0], [1, {10**400}]]]}}', "coordinates must be pairs of numbers"),
         ('{"type": "Polygon", "coordinates": []}', "it has no polygon"),
         ('{"type": "Point", "coordinates": [0, 0]}', "it has no polygon and no line"),
         ('{"type": "LineString", "coordinates": [[0, 0], [1, 0], [1, 1]]}', r"a curve ends at \(1, 1\)"),

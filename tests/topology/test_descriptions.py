@@ -108,11 +108,13 @@ def test_a_curve_may_make_its_points(tmp_path):
     ("text", "told"),
     [
         ("[points", "layout.toml: it is no TOML file"),
+        (f"a = {'9' * 5000}", "layout.toml: it is no TOML file"),
         (SQUARE + "[wall]\n", "unknown key 'wall' in a layout; known: points, curves, blocks"),
         ("points = 3\n" + SQUARE.replace("[points]", "[p]"), "unknown key 'p' in a layout"),
         ("[points]\nA = [0, 0]\n", "a layout has no blocks; expected at least blocks and cells"),
         (SQUARE.replace("A = [0, 0]", "A = [0]"), r"the point A must be two numbers \[x, y\]; came \[0\]"),
         (SQUARE.replace("A = [0, 0]", "A = [0, nan]"), "y of the point A must be a finite number; came nan"),
+        (SQUARE.replace("A = [0, 0]", f"A = [{10**400}, 0]"), "x of the point A must be a finite number"),
         (SQUARE.replace("A = [0, 0]", "A-1 = [0, 0]"), "the point 'A-1' has a dash in its name"),
         (SQUARE.replace("A-B = 4", "A-B = 4.5"), "cells of A-B must be a whole number"),
         (SQUARE.replace("B-C = 4", ""), "no number of cells follows for B-C, D-A"),

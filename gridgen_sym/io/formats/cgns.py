@@ -76,10 +76,11 @@ def _check_names(blocks: Blocks) -> None:
     """Refuse names that a node of CGNS cannot have, or that a block and a boundary have."""
     names = [name for name, _ in blocks.described]
     for what, name in [("block", name) for name in names] + [("boundary", name) for name in blocks.boundaries]:
-        if not 0 < len(name.encode("utf-8")) <= LONGEST_NAME or "/" in name or not name.isprintable() or name == ".":
+        printed = name.isprintable() and name == name.strip() and "/" not in name and name != "."
+        if not printed or not 0 < len(name.encode("utf-8")) <= LONGEST_NAME:
             raise GridgenError(
                 f"a CGNS file cannot hold the {what} name {quoted(name)}: take one of 1 to {LONGEST_NAME} bytes, "
-                "without slashes and line breaks"
+                "without slashes and line breaks, and without blanks at its ends"
             )
         if what == "boundary" and name in names:
             raise GridgenError(

@@ -9,9 +9,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...errors import GridgenError, quoted
+from ..block_names import check_block_names
 from ..format import Blocks, Format
 from ..unstructured import Indices, Mesh, check_names, lines_of, mesh_of
 
+_LONGEST_NAME = 127  # Of a physical group, in bytes.
 #: Types of elements.
 _LINE, _QUADRILATERAL = 1, 3
 _NODE = "%.17g %.17g 0\n"
@@ -21,10 +24,14 @@ def encode(blocks: Blocks) -> Iterator[bytes]:
     """Return the pieces of a mesh: curve k and its physical group are the k-th boundary, surface k is the k-th block.
 
     Raises:
-        GridgenError: for names of boundaries that no physical group can have.
+        GridgenError: for names of blocks and boundaries that no physical group can have.
     """
     mesh = mesh_of(blocks)
     check_names(mesh, "a Gmsh file", '"')
+    check_block_names(mesh.names, "a Gmsh file")
+    for name in (*mesh.names, *(patch.name for patch in mesh.patches)):
+        if len(name.encode("utf-8")) > _LONGEST_NAME:
+            raise GridgenError(f"a Gmsh file cannot hold the name {quoted(name)}: take one of {_LONGEST_NAME} bytes")
     return _pieces(mesh)
 
 

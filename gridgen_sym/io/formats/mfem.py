@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from ..block_names import check_block_names
 from ..format import Blocks, Format
 from ..unstructured import Mesh, check_names, lines_of, mesh_of
 
@@ -20,10 +21,11 @@ def encode(blocks: Blocks) -> Iterator[bytes]:
     """Return the pieces of a mesh: attribute k is the k-th block, or boundary.
 
     Raises:
-        GridgenError: for names of boundaries that no attribute set can have.
+        GridgenError: for names of blocks and boundaries that no attribute set can have.
     """
     mesh = mesh_of(blocks)
     check_names(mesh, "an MFEM mesh", '"')
+    check_block_names(mesh.names, "an MFEM mesh")
     return _pieces(mesh)
 
 

@@ -30,7 +30,7 @@ def encode(blocks: Blocks) -> dict[str, bytes | Iterator[bytes]]:
     """
     mesh = mesh_of(blocks)
     for patch in mesh.patches:
-        if not _WORD.fullmatch(patch.name) or patch.name == _EMPTY:
+        if not _WORD.fullmatch(patch.name) or not patch.name.isprintable() or patch.name == _EMPTY:
             raise GridgenError(
                 f"OpenFOAM cannot hold the boundary name {quoted(patch.name)}: take one that does not begin as "
                 f"a number, without blanks, quotation marks, slashes, semicolons, brackets, $ and #, and not {_EMPTY}"

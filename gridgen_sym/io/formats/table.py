@@ -83,7 +83,7 @@ def _rows(piece: bytes, columns: list[int], line: int) -> tuple[Indices, Array]:
             f"{shortened(error)} (row 0 is line {line}); expected four numbers a row, those of '{HEADER}'"
         ) from error
     indices = rows[:, :2]
-    if not ((indices >= 0) & (indices < _MOST) & (indices % 1 == 0)).all():
+    if not ((indices >= 0) & (indices < _MOST) & (np.floor(indices) == indices)).all():
         raise GridgenError(f"the columns i and j must hold whole numbers from 0 on, below {_MOST}")
     return indices.astype(np.int32), rows[:, 2:].copy()
 

@@ -13,6 +13,7 @@ from typing import BinaryIO
 from ...arrays import Array
 from ...errors import GridgenError, quoted
 from ...messages import report
+from ..block_names import check_block_names
 from ..format import Blocks, Format
 from ..plot3d_numbers import Numbers
 from ..plot3d_planes import Plane, plane_of
@@ -31,7 +32,16 @@ _REFUSED = {
 
 
 def encode(blocks: Blocks) -> Iterator[bytes]:
-    """Return the pieces of a data file: for each block all x, then all y, i running fastest."""
+    """Return the pieces of a data file: for each block all x, then all y, i running fastest.
+
+    Raises:
+        GridgenError: for names of blocks that no title of a zone can have.
+    """
+    check_block_names([name for name, _ in blocks.described], "a Tecplot text")
+    return _pieces(blocks)
+
+
+def _pieces(blocks: Blocks) -> Iterator[bytes]:
     yield b'TITLE = "grid"\nVARIABLES = "x" "y"\n'
     for name, grid in blocks.described:
         ni, nj = grid.shape

@@ -11,6 +11,7 @@ from pathlib import PurePosixPath
 from typing import BinaryIO
 
 from ...errors import GridgenError, quoted
+from ..block_names import check_block_names
 from ..format import Blocks, Format, Storage
 from ..vtk_parts import xml_root
 from . import vts
@@ -19,7 +20,12 @@ _KIND = "vtkMultiBlockDataSet"
 
 
 def encode(blocks: Blocks, words: Collection[str] = (), *, stem: str) -> dict[str, bytes | Iterator[bytes]]:
-    """Return the file of a folder `stem`, and the structured grids in this, by their names."""
+    """Return the file of a folder `stem`, and the structured grids in this, by their names.
+
+    Raises:
+        GridgenError: for names of blocks that are empty or cannot be printed.
+    """
+    check_block_names([name for name, _ in blocks.described], "a VTK file")
     files = {f"block_{number}.vts": vts.encode(grid, words) for number, grid in enumerate(blocks.grids)}
     index = _index([name for name, _ in blocks.described], [f"{stem}/{file}" for file in files])
     return {"": index, **files}

@@ -66,7 +66,7 @@ def parse_section(data: bytes, path: Path) -> tuple[str, Array]:
         if len(words) != 2 or not all(map(_is_number, words)):
             raise GridgenError(f"point {number} is {quoted(' '.join(words))}; {EXPECTED}")
     points = np.array([[float(word) for word in words] for words in rows[named:]]).reshape(-1, 2)
-    if len(points) and points[0].min() > 1.5 and (points[0] % 1 == 0).all():
+    if len(points) and 1.5 < points[0].min() <= points[0].max() < np.inf and (points[0] % 1 == 0).all():
         return name, _joined_sides(points)
     return name, points
 
