@@ -80,6 +80,12 @@ class Zone:
         raise GridgenError(f"{what}, {first} to {last}, is no part of a side")
 
 
+def families(blocks: Blocks) -> list[str]:
+    """Return the names of boundaries that are families: zones and families are side by side in the tree."""
+    zones = {name for name, _ in blocks.described}
+    return [name for name in blocks.boundaries if name not in zones]
+
+
 def add_boundaries(zone: Any, blocks: Blocks, block: int) -> None:  # noqa: ANN401
     """Add the named boundaries of a block to its zone: those of a grid alone are its sides."""
     boundaries = blocks.boundaries
@@ -90,14 +96,15 @@ def add_boundaries(zone: Any, blocks: Blocks, block: int) -> None:  # noqa: ANN4
     if not own:
         return
     group = add(zone, "ZoneBC", "ZoneBC_t")
-    used: set[str] = set()
+    with_family, used = set(families(blocks)), set[str]()
     for number, name, part in own:
         title = name if name not in used else f"{name[:24]} {number}"
         used.add(title)
         kind = kind_of(name)
         node = add(group, title, "BC_t", text(_UNNAMED_KIND if kind is Kind.GENERAL else kind.value))
         add(node, "PointRange", "IndexRange_t", _range(part, blocks.grids[block].shape))
-        add(node, "FamilyName", "FamilyName_t", text(name))
+        if name in with_family or not blocks.boundaries:
+            add(node, "FamilyName", "FamilyName_t", text(name))
         add(node, "Ordinal", "Ordinal_t", integers(number))
 
 

@@ -113,6 +113,11 @@ class Setting:
                     f"a cotangent needs one array for each of {', '.join(self.names)}; came {quoted(given)}"
                 )
             given = [given[name] for name in self.names]
+        elif not isinstance(given, Sequence):
+            raise GridgenError(
+                f"a cotangent is given for every block, by name or in the order {', '.join(self.names)}; came "
+                f"{quoted(given)}"
+            )
         arrays = [real_array(one, "a cotangent") for one in given]
         shapes = [block.shape for block in self.unknowns.blocks]
         wanted, came = [(*shape, 2) for shape in shapes], [array.shape for array in arrays]

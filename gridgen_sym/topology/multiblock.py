@@ -36,7 +36,7 @@ class MultiBlock:
         bonds: what is connected, part by part.
         boundaries: parts of the outer boundary by name, such as `wall` or `farfield`.
         copies: the nodes with several copies.
-        outer: for each block the mask (ni, nj) of nodes on the outer boundary.
+        outer: for each block the mask (ni, nj) of nodes on the outer boundary, of zeros and ones.
     """
 
     blocks: tuple[Grid, ...]
@@ -65,7 +65,7 @@ class MultiBlock:
 
         Raises:
             GridgenError: for blocks that are no grids, parts of sides with different numbers of nodes or more than one
-                connection, and connected nodes that lie apart.
+                connection, connected nodes that lie apart, and boundaries that are no parts of the outer boundary.
         """
         named = _named(blocks)
         for grid in named.values():
@@ -75,10 +75,7 @@ class MultiBlock:
         bonds = _bonds(connections, grids, names)
         taken = _check_disjoint(bonds, shapes, names)
         copies, planes, outer = identify(grids, bonds, names)
-        parts = {
-            str(name): tuple(side_part(part, numbers, shapes) for part in given)
-            for name, given in (boundaries or {}).items()
-        }
+        parts = _boundaries(boundaries or {}, numbers, shapes)
         _check_outer(parts, taken, names)
         for name, value in (
             ("blocks", tuple(Grid.from_planes(*plane) for plane in planes)),
@@ -165,7 +162,26 @@ def _named(blocks: Sequence[Grid] | Mapping[str, Grid]) -> dict[str, Grid]:
     if not blocks:
         raise GridgenError("a layout needs at least one block")
     named = blocks if isinstance(blocks, Mapping) else dict(enumerate(blocks))
+    if len({str(name) for name in named}) < len(named):
+        raise GridgenError(f"blocks have different names, as text; came {quoted(list(named))}")
     return {str(name): grid for name, grid in named.items()}
+
+
+def _boundaries(
+    boundaries: Mapping[str, Sequence[PartLike]], numbers: Mapping[str, int], shapes: Sequence[tuple[int, int]]
+) -> dict[str, tuple[SidePart, ...]]:
+    """Return the named parts of sides, checked each for itself."""
+    if not isinstance(boundaries, Mapping):
+        raise GridgenError(
+            f"boundaries map names to parts of sides, such as {{'wall': [('a', 'bottom')]}}; came {quoted(boundaries)}"
+        )
+    for name, given in boundaries.items():
+        if not isinstance(given, Sequence):
+            raise GridgenError(
+                f"the boundary {quoted(name)} is a list of parts of sides, such as [('a', 'bottom', (0, 24))]; came "
+                f"{quoted(given)}"
+            )
+    return {str(name): tuple(side_part(part, numbers, shapes) for part in given) for name, given in boundaries.items()}
 
 
 def _bonds(connections: Connections, grids: Sequence[Grid], names: Sequence[str]) -> tuple[Bond, ...]:

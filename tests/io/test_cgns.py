@@ -302,8 +302,16 @@ def test_faults_of_zones_are_told(change, message):
 def test_names_that_cgns_cannot_hold(tmp_path, name, message):
     pytest.importorskip("h5py")
     with pytest.raises(GridgenError, match=message):
-        gg.write(gg.MultiBlock([GRID], [], boundaries={name: [(0, "left")]}), tmp_path / "a.cgns")
+        gg.write(gg.MultiBlock([GRID], [], boundaries={name: [(0, "left"), (0, "top")]}), tmp_path / "a.cgns")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_boundary_with_the_name_of_a_block(tmp_path):
+    """The inlet of 'wye' is beside a block of that name; zones and families are named alike in no file."""
+    pytest.importorskip("h5py")
+    layout = gg.layout("wye", across=4)
+    layout.write(tmp_path / "wye.cgns")
+    assert gg.read(tmp_path / "wye.cgns") == layout
 
 
 def below(node, label):

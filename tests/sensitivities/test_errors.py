@@ -73,3 +73,10 @@ def test_what_is_no_direction_is_named(result, tangents, message):
 def test_a_cotangent_has_the_shape_of_the_nodes(result, shape):
     with pytest.raises(gg.GridgenError, match=r"a cotangent has the shape of the nodes, \(9, 8, 2\)"):
         result.vjp(np.ones(shape))
+
+
+@pytest.mark.parametrize("cotangent", [None, 5])
+def test_cotangents_of_several_blocks_are_given_for_each(cotangent):
+    result = gg.optimize(gg.layout("pipe", across=4), "winslow")
+    with pytest.raises(gg.GridgenError, match="by name or in the order core, south, east, north, west; came"):
+        result.vjp(cotangent)

@@ -90,6 +90,26 @@ def test_wrong_connections_are_told(connections, told):
         gg.MultiBlock([SQUARE, right], connections)
 
 
+@pytest.mark.parametrize(
+    ("boundaries", "told"),
+    [
+        ([(0, "top")], "boundaries map names to parts of sides"),
+        ({"wall": None}, "the boundary 'wall' is a list of parts of sides"),
+        ({"wall": (0, "top")}, "a part of a side is a block, a side"),
+        ({"wall": [(0, "right")]}, "they are connected"),
+    ],
+)
+def test_wrong_boundaries_are_told(boundaries, told):
+    right = gg.Grid.from_planes(SQUARE.x + 1, SQUARE.y)
+    with pytest.raises(gg.GridgenError, match=told):
+        gg.MultiBlock([SQUARE, right], boundaries=boundaries)
+
+
+def test_two_blocks_of_one_name_are_told():
+    with pytest.raises(gg.GridgenError, match="blocks have different names, as text; came \\[1, '1'\\]"):
+        gg.MultiBlock({1: SQUARE, "1": SQUARE}, [])
+
+
 def test_three_blocks_at_one_edge_are_told():
     right = gg.Grid.from_planes(SQUARE.x + 1, SQUARE.y)
     with pytest.raises(gg.GridgenError, match="3 edges of sides lie at one place"):

@@ -11,7 +11,16 @@ import numpy as np
 from ...boundary.sides import Sides
 from ...errors import GridgenError, quoted, shortened
 from ...messages import report
-from ..cgns_parts import Zone, add_boundaries, add_connections, boundaries_in, connections_in, joined, whole_side
+from ..cgns_parts import (
+    Zone,
+    add_boundaries,
+    add_connections,
+    boundaries_in,
+    connections_in,
+    families,
+    joined,
+    whole_side,
+)
 from ..cgns_tree import LONGEST_NAME, add, begin, children, content, integers, library, name_of, only, text, words_of
 from ..format import Blocks, Format
 from ..plot3d_planes import Plane, plane_of
@@ -26,8 +35,8 @@ _FAULTS = (OSError, ValueError, TypeError, KeyError, RuntimeError, AttributeErro
 def encode(blocks: Blocks) -> Iterator[bytes]:
     """Return the pieces of a CGNS file: a plane zone for each block, i along xi, j along eta.
 
-    Names of boundaries are those of families; the type of each is what its name says, as `wall`. A grid alone has its
-    sides as boundaries.
+    Names of boundaries are those of families; the type of each is what its name says, as `wall`. One that has the name
+    of a block has no family, since zones and families have different names. A grid alone has its sides as boundaries.
 
     Raises:
         GridgenError: for names that a node of CGNS cannot have.
@@ -51,7 +60,7 @@ def _fill(root: Any, blocks: Blocks, version: str) -> None:  # noqa: ANN401 - h5
     """Write the tree of some blocks."""
     begin(root, version)
     base = add(root, "Base", "CGNSBase_t", integers(2, 2))
-    for name in blocks.boundaries:
+    for name in families(blocks):
         add(base, name, "Family_t")
     for number, (name, grid) in enumerate(blocks.described):
         nodes = np.array(grid.shape, dtype=np.int32)
@@ -73,7 +82,7 @@ def _pieces(file: IO[bytes]) -> Iterator[bytes]:
 
 
 def _check_names(blocks: Blocks) -> None:
-    """Refuse names that a node of CGNS cannot have, or that a block and a boundary have."""
+    """Refuse names that a node of CGNS cannot have, and several parts beside one block where no family holds them."""
     names = [name for name, _ in blocks.described]
     for what, name in [("block", name) for name in names] + [("boundary", name) for name in blocks.boundaries]:
         printed = name.isprintable() and name == name.strip() and "/" not in name and name != "."
@@ -82,9 +91,11 @@ def _check_names(blocks: Blocks) -> None:
                 f"a CGNS file cannot hold the {what} name {quoted(name)}: take one of 1 to {LONGEST_NAME} bytes, "
                 "without slashes and line breaks, and without blanks at its ends"
             )
-        if what == "boundary" and name in names:
+        beside = [part.block for part in blocks.boundaries[name]] if what == "boundary" and name in names else []
+        if len(set(beside)) < len(beside):
             raise GridgenError(
-                f"a CGNS file cannot hold a block and a boundary of one name, {quoted(name)}: rename one"
+                f"a CGNS file cannot hold a block and a boundary of one name, {quoted(name)}, with several parts on "
+                "one block: rename one"
             )
 
 
