@@ -107,6 +107,7 @@ def certify_and_draw(
     """
     from ..certificates import certificates
     from ..plotting import plot_certificates, plot_grid
+    from ..plotting.names import as_written
     from ..solvers import LayoutResult
     from ..topology import MultiBlock
     from ..topology import quality as measure
@@ -117,7 +118,7 @@ def certify_and_draw(
                 for certificate in proofs:
                     click.secho(f"block {name}: {certificate.message}", fg="red", err=True)
         if plot:
-            plot_grid(made, plot, title=title, under=under)
+            plot_grid(made, plot, title=as_written(title), under=under)
             report(quiet, f"wrote {plot}")
         return
     if result:
@@ -130,5 +131,5 @@ def certify_and_draw(
         if found:
             plot_certificates(made, plot, found=found, under=under)
         else:
-            plot_grid(made, plot, title=title, under=under)
+            plot_grid(made, plot, title=as_written(title), under=under)
         report(quiet, f"wrote {plot}")

@@ -11,6 +11,7 @@ from ..boundary.sides import Sides
 from ..grids import Grid, corner_jacobians
 from ..topology.connection import SidePart
 from ..topology.multiblock import MultiBlock
+from .names import as_written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +44,7 @@ def draw_blocks(ax: Axes, layout: MultiBlock, width: float) -> None:
     for number, (name, parts) in enumerate(layout.boundaries.items()):
         color, style = boundary_style(number)
         for count, part in enumerate(parts):
-            label = name if count == 0 else None
+            label = as_written(name) if count == 0 else None
             ax.plot(
                 *part.nodes(layout.blocks).T,
                 color=color,
@@ -69,10 +70,11 @@ def write_names(ax: Axes, layout: MultiBlock) -> None:
     if not has_names(layout):
         return
     box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "#c9d0d6", "linewidth": 0.6}
+    look: dict[str, Any] = {"ha": "center", "va": "center", "color": _EDGE, "bbox": box, "zorder": 10, "clip_on": True}
     texts = []
     for name, grid in zip(layout.names, layout.blocks, strict=True):
         x, y = middle(grid)
-        texts.append(ax.text(x, y, name, ha="center", va="center", color=_EDGE, bbox=box, zorder=10, clip_on=True))
+        texts.append(ax.text(x, y, as_written(name), **look))
     ax.figure.figure.draw_without_rendering()
     widths = [float(np.ptp(ax.transData.transform(grid.planes.reshape(2, -1).T)[:, 0])) for grid in layout.blocks]
     for size in _FONTS:

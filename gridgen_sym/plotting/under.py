@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import GridgenError
 from ..grids.grid import Grid
+from .names import as_written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,7 +60,7 @@ def draw_under(ax: Axes, blocks: Sequence[Grid], under: ScalarField | Source, ba
     bar.ax.tick_params(labelsize=7, color="#8a949e", labelcolor="#56616b")
     bar.outline.set_edgecolor("#c9d0d6")
     if field_label(field) != _UNNAMED:
-        bar.set_label(field_label(field), fontsize=8)
+        bar.set_label(as_written(field_label(field)), fontsize=8)
 
 
 def _raster(blocks: Sequence[Grid]) -> tuple[Array, Array]:

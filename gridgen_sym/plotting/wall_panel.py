@@ -11,6 +11,7 @@ from ..arrays import Array, Mask
 from ..grids.grid import Grid
 from ..grids.orthogonality import SIDES
 from ..topology.multiblock import MultiBlock
+from .names import as_written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -122,8 +123,9 @@ def draw_wall_panel(panel: Axes, whole: Axes, wall: ThinWall) -> None:
     panel.margins(0.04)
     panel.set_box_aspect(1.0)
     wide, high = np.ptp(wall.lines[0]), np.ptp(wall.lines[1])
+    times = float(f"{wide / high:.3g}")
     panel.set_title(
-        f"at {wall.name}: first cells {wall.height:.3g} high,\ndrawn {float(f'{wide / high:.3g}'):g} times as high",
+        f"at {as_written(wall.name)}: first cells {wall.height:.3g} high,\ndrawn {times:g} times as high",
         fontsize=8,
     )
     # What is written off the wall stands at the right, away from the line to the whole.

@@ -12,7 +12,9 @@ import pytest
 from layouts import butterfly, cut
 
 from gridgen_sym.boundary import domain
+from gridgen_sym.boundary.sides import Sides
 from gridgen_sym.errors import GridgenError, MissingExtraError
+from gridgen_sym.fields import as_scalar
 from gridgen_sym.grids import Grid, quality
 from gridgen_sym.plotting import plot_grid, plot_grids
 from gridgen_sym.topology import MultiBlock
@@ -89,6 +91,18 @@ def test_panels_have_the_proportions_of_their_grids():
     for stretch, slender in (((1, 1), False), ((1, 4), True)):
         width, height = plot_grids([("a", Grid(square * stretch)), ("b", Grid(square * stretch))]).get_size_inches()
         assert (width < 1.5 * height) == slender
+
+
+def test_names_are_written_as_they_are():
+    names = ["$x_{$", "_wall", "a$b"]
+    square = domain("square", 5, 5)
+    layout = MultiBlock(
+        {names[0]: square}, boundaries={n: [(0, s)] for n, s in zip(names, Sides._fields, strict=False)}
+    )
+    figure = plot_grid(layout, under=as_scalar(lambda x, y: x, names[0]))
+    legend = figure.axes[0].get_legend().get_texts()
+    assert [text.get_text().strip().replace(r"\$", "$") for text in legend] == names
+    figure.draw_without_rendering()
 
 
 def test_legends_take_as_few_rows_as_there_is_room_for():
