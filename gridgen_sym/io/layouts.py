@@ -10,6 +10,8 @@ from typing import Literal
 from ..atomic import read_bytes, shown
 from ..errors import GridgenError
 from ..grids.grid import Grid
+from ..messages import report
+from ..topology.coincidence import coinciding_parts
 from ..topology.connection import Connection, SidePart
 from ..topology.multiblock import MultiBlock
 from . import nmf
@@ -42,9 +44,29 @@ def assembled(blocks: Blocks, path: str | os.PathLike[str]) -> MultiBlock:
         named = dict(zip(blocks.names or found.names, blocks.grids, strict=True))
         if len(named) < len(blocks.grids):
             raise GridgenError("two blocks have one name: name them differently")
-        return _connected(named, found)
+        layout = _connected(named, found)
     except GridgenError as error:
         raise GridgenError(f"cannot read {shown(beside)} as a neutral map file: {error}") from error
+    _report_silence(layout, beside)
+    return layout
+
+
+def _report_silence(layout: MultiBlock, path: Path) -> None:
+    """Report sides that coincide and of which a map says nothing, as where it is cut short: they are not connected."""
+    parts = [part for bond in layout.bonds for part in (bond.one, bond.other)]
+    parts += [part for named in layout.boundaries.values() for part in named]
+    told = {(part.block, part.side) for part in parts}
+    try:
+        pairs = coinciding_parts(layout.blocks, layout.names)
+    except GridgenError:  # Several sides at one place: only the map can tell what they are.
+        return
+    silent = [pair for pair in pairs if not any((part.block, part.side) in told for part in pair)]
+    if silent:
+        one, other = (part.described(layout.names) for part in silent[0])
+        report(
+            f"{shown(path)} does not tell of sides whose nodes coincide, such as {one} and "
+            f"{other}: they are not connected ({len(silent)} in all); see whether the map is complete"
+        )
 
 
 def tells_connections(blocks: Blocks, path: str | os.PathLike[str]) -> bool:

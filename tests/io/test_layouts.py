@@ -368,3 +368,13 @@ def test_vtk_reads_several_blocks(tmp_path, name, form):
         assert np.array_equal(points[:, 0], grid.x.T.ravel())
         assert np.array_equal(points[:, 1], grid.y.T.ravel())
         assert not points[:, 2].any()
+
+
+def test_a_map_that_is_cut_short_is_told(tmp_path, capsys):
+    gg.layout("wye", across=4).write(tmp_path / "wye.p2dfmt")
+    whole = (tmp_path / "wye.nmf").read_text(encoding="utf-8").splitlines(keepends=True)
+    gg.read(tmp_path / "wye.p2dfmt")
+    assert not capsys.readouterr().err
+    (tmp_path / "wye.nmf").write_text("".join(whole[:12]), encoding="utf-8")
+    assert not gg.read(tmp_path / "wye.p2dfmt").bonds
+    assert "they are not connected (9 in all); see whether the map is complete" in capsys.readouterr().err
