@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,6 +13,10 @@ from ..options import AIRFOIL
 from .options import option
 from .output import certify_and_draw, check_outputs, report, under_of, under_option
 from .types import SizedCommand
+
+if TYPE_CHECKING:
+    from ..grids.grid import Grid
+    from ..topology import MultiBlock
 
 
 @click.command(cls=SizedCommand)
@@ -42,8 +47,8 @@ def airfoil(
 ) -> None:
     """Make a C- or an O-grid around SECTION: a NACA number such as naca2412 or naca23012, or a .dat file.
 
-    A file has Selig's form: a name, then x and y from the trailing edge over the upper side to the leading edge and
-    back. Its coordinates stay. Exits with 1 if the grid has folded cells.
+    A file has Selig's form, a name, then x and y from the trailing edge over the upper side to the leading edge and
+    back, or Lednicer's. Its coordinates stay. Exits with 1 if the grid has folded cells.
     """
     from ..solvers import airfoil_grid
 
@@ -59,9 +64,31 @@ def airfoil(
         click.secho(f"not converged in {result.iterations} iterations: {result.message}", fg="yellow", err=True)
     report(quiet, result.quality.summary())
     if output:
-        result.grid.write(output)
+        _with_names(result.grid, output).write(output)
         report(quiet, f"wrote {output}")
     kind = given.get("kind", AIRFOIL["kind"].default)
     certify_and_draw(result.grid, plot, f"{Path(section).stem}: {kind}-grid", quiet, result, field)
     if not result.quality.valid:
         raise click.exceptions.Exit(1)
+
+
+def _with_names(grid: Grid, output: str) -> Grid | MultiBlock:
+    """Return the grid as a format that holds names takes it: its cut connected, the section a wall, the rest far."""
+    from ..io.registry import format_for
+    from ..topology import Connection, MultiBlock
+
+    if not format_for(output, "", written=True)[0].names:
+        return grid
+    last = grid.shape[0] - 1
+    if (grid.xy[0] == grid.xy[-1]).all():
+        seam = Connection((0, "left"), (0, "right"))
+        return MultiBlock([grid], [seam], boundaries={"wall": [(0, "bottom")], "farfield": [(0, "top")]})
+    # The nodes of the cut of a C-grid lie at both ends of the bottom; a blunt trailing edge parts them at the section.
+    apart = (grid.xy[:, 0] != grid.xy[::-1, 0]).any(axis=1)
+    cut = int(apart.argmax()) - 1
+    seam = Connection((0, "bottom", (0, cut)), (0, "bottom", (last - cut, last)))
+    names: dict[str, Sequence[Sequence[object]]] = {
+        "wall": [(0, "bottom", (cut, last - cut))],
+        "farfield": [(0, "left"), (0, "top"), (0, "right")],
+    }
+    return MultiBlock([grid], [seam], boundaries=names)

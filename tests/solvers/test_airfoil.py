@@ -69,6 +69,17 @@ def test_the_command_makes_a_grid_from_a_file(tmp_path):
     np.testing.assert_allclose(height, 1e-4, rtol=0.01)
 
 
+@pytest.mark.parametrize(("kind", "nodes", "far"), [("C", 41 * 9 - 13, 40 + 2 * 8), ("O", 16 * 9, 16)])
+def test_a_solver_gets_the_cut_closed_and_the_names(tmp_path, kind, nodes, far):
+    arguments = ["airfoil", "naca0012", "--type", kind, "--first", "1e-2", "--far", "5", "--size", "16x8"]
+    done = CliRunner().invoke(main, [*arguments, "--wake", "12", "-o", str(tmp_path / "a.su2")])
+    assert done.exit_code == 0, done.output
+    text = (tmp_path / "a.su2").read_text()
+    assert f"NPOIN= {nodes}\n" in text
+    assert "MARKER_TAG= wall\nMARKER_ELEMS= 16\n" in text
+    assert f"MARKER_TAG= farfield\nMARKER_ELEMS= {far}\n" in text
+
+
 @pytest.mark.parametrize(
     ("options", "match"),
     [
