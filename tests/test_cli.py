@@ -758,3 +758,12 @@ def test_walls_may_stand_in_the_description():
 def test_faults_of_layouts_are_told(arguments, told):
     Path("square.toml").write_text(TOML)
     assert told in run("grid", *arguments, "-f", "winslow", code=2)
+
+
+@pytest.mark.parametrize("file", ["out.su2", "out.cgns", "out.vts"])
+def test_what_a_file_cannot_hold_is_told_before_the_solve(two_blocks, file):
+    odd = {("in let" if file == "out.su2" else "i" * 99): [(0, "left")]}
+    gg.write(gg.MultiBlock(two_blocks.blocks, boundaries=odd), "two.p2dfmt")
+    said = run("grid", "two.p2dfmt", "-f", "winslow", "-o", file, code=2)
+    assert "cannot hold" in said or "holds one block" in said
+    assert "start" not in said

@@ -67,7 +67,7 @@ def adapt(
     """
     from ..adaptation import Monitor
     from ..adaptation import adapt as run
-    from ..io import check_written
+    from ..io import check_layout_written
     from ..solvers.run.status import StopReason
     from ..topology import MultiBlock
 
@@ -86,7 +86,7 @@ def adapt(
     drawn = under_of(under, plot, begun.projection)
     start = begun.grid
     if output and isinstance(start, MultiBlock):
-        check_written(output, len(start))
+        check_layout_written(start, output)
     field = field_of(to, smooth=monitor != "values", outside=outside, projection=begun.projection)
     ocean = Ocean(output, begun.projection, begun.islands, outside, **deep)
     begin = Announcement(quiet, input, start)

@@ -125,7 +125,7 @@ def grid(
     as the map (.nmf) beside it says, or where nodes coincide. Exits with 1 if the result has folded cells or the
     functional has no derivative there, and after Ctrl-C, which writes the best grid so far, with 130.
     """
-    from ..io import check_written
+    from ..io import check_layout_written
     from ..solvers.run.status import Status, StopReason
     from ..topology import MultiBlock
 
@@ -142,7 +142,7 @@ def grid(
     solve = _solver(name, quiet, begun.projection, file_walls(input), **options)
     ocean = Ocean(output, begun.projection, begun.islands, options["outside"], **deep)
     if output and isinstance(start, MultiBlock):
-        check_written(output, len(start))
+        check_layout_written(start, output)
     begin = Announcement(quiet, input, start)
     result: Result | LayoutResult = solve(start, callback=begin)
     begin()

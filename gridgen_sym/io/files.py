@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
@@ -131,38 +131,68 @@ def write(grid: Grid | MultiBlock, path: str | os.PathLike[str], *, form: str = 
             hold, or a path at which no file can be written.
         MissingExtraError: for a format that needs a package which is not installed.
     """
+    chosen, words, blocks, beside = _prepared(grid, path, form)
+    _write(chosen, words, blocks, Path(path))
+    if beside is not None:
+        from .layouts import map_path
+
+        write_bytes(map_path(path), beside)
+
+
+def check_layout_written(layout: MultiBlock, path: str | os.PathLike[str]) -> None:
+    """Refuse, before any work is done, a layout that a file cannot hold.
+
+    Args:
+        layout: of the blocks and names that are to be written; its nodes do not matter.
+        path: the file.
+
+    Raises:
+        GridgenError: as for `write`.
+        MissingExtraError: as for `write`.
+    """
+    form, words, blocks, _ = _prepared(layout, path, "")
+    _encoded(form, words, blocks, Path(path))
+
+
+def _prepared(
+    grid: Grid | MultiBlock, path: str | os.PathLike[str], form: str
+) -> tuple[Format, frozenset[str], Blocks, bytes | None]:
+    """Return the format, its words, what it is to hold, and the neutral map that goes beside it, if any."""
     from ..topology import MultiBlock
 
     chosen, words = format_for(path, form, written=True)
     if not isinstance(grid, MultiBlock):
         check_grid(grid)
-        _write(chosen, words, Blocks((grid,)), Path(path))
-        return
+        return chosen, words, Blocks((grid,)), None
     check_written(path, len(grid), form)
     blocks = Blocks(grid.blocks, grid.names, grid.bonds, grid.boundaries)
     if chosen.names:
-        _write(chosen, words, blocks, Path(path))
-        return
+        return chosen, words, blocks, None
     from . import nmf_text
     from .layouts import map_path
 
     beside = nmf_text.encode(grid)
     check_target(map_path(path))
-    _write(chosen, words, blocks, Path(path))
-    write_bytes(map_path(path), beside)
+    return chosen, words, blocks, beside
+
+
+def _encoded(form: Format, words: frozenset[str], blocks: Blocks, path: Path) -> Any:  # noqa: ANN401
+    """Return what `encode` of a format makes of blocks."""
+    assert form.encode  # format_for has seen to it.
+    content = blocks if form.several else blocks.grids[0]
+    given = [content, words] if form.forms else [content]
+    return form.encode(*given, stem=path.stem) if form.storage is Storage.FILE_AND_FOLDER else form.encode(*given)
 
 
 def _write(form: Format, words: frozenset[str], blocks: Blocks, path: Path) -> None:
     """Write blocks to a file, a folder, or a file and a folder beside it."""
-    assert form.encode  # format_for has seen to it.
-    content = blocks if form.several else blocks.grids[0]
-    arguments: list[Any] = [content, words] if form.forms else [content]
-    if form.storage is Storage.FILE:
-        write_bytes(path, form.encode(*arguments))
-    elif form.storage is Storage.FOLDER:
-        write_folder(path, form.encode(*arguments))
-    else:
+    if form.storage is Storage.FILE_AND_FOLDER:
         check_target(path)
-        files: Mapping[str, bytes] = form.encode(*arguments, stem=path.stem)
-        write_folder(path.with_suffix(""), {name: data for name, data in files.items() if name})
-        write_bytes(path, files[""])
+    data = _encoded(form, words, blocks, path)
+    if form.storage is Storage.FILE:
+        write_bytes(path, data)
+    elif form.storage is Storage.FOLDER:
+        write_folder(path, data)
+    else:
+        write_folder(path.with_suffix(""), {name: part for name, part in data.items() if name})
+        write_bytes(path, data[""])

@@ -23,7 +23,8 @@ PARAMETERS = {
 }
 each_format = pytest.mark.parametrize("name", PARAMETERS.values())
 SWAN = gg.domain("swan", 5, 4)
-TWO = gg.MultiBlock({"a": SWAN, "b": gg.domain("square", 4, 4)}, [], boundaries={"wall": [("a", "bottom", (1, 3))]})
+AWAY = gg.Grid.from_planes(*(gg.domain("square", 4, 4).planes + 10))
+TWO = gg.MultiBlock({"a": SWAN, "b": AWAY}, [], boundaries={"wall": [("a", "bottom", (1, 3))]})
 
 
 @each_format
