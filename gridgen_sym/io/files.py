@@ -13,6 +13,7 @@ from ..arrays import Mask
 from ..atomic import check_target, opened, shown, write_bytes, write_folder
 from ..errors import GridgenError, MissingExtraError
 from ..grids.grid import Grid, check_grid
+from ..messages import report
 from .format import Blocks, Format, Storage
 from .registry import check_written, format_for
 
@@ -133,10 +134,12 @@ def write(grid: Grid | MultiBlock, path: str | os.PathLike[str], *, form: str = 
     """
     chosen, words, blocks, beside = _prepared(grid, path, form)
     _write(chosen, words, blocks, Path(path))
-    if beside is not None:
-        from .layouts import map_path
+    from .layouts import map_path
 
+    if beside is not None:
         write_bytes(map_path(path), beside)
+    elif not chosen.names and map_path(path).is_file():
+        report(f"{shown(map_path(path))} lies beside and is kept: remove it if it is the map of another grid")
 
 
 def check_layout_written(layout: MultiBlock, path: str | os.PathLike[str]) -> None:
@@ -159,6 +162,7 @@ def _prepared(
 ) -> tuple[Format, frozenset[str], Blocks, bytes | None]:
     """Return the format, its words, what it is to hold, and the neutral map that goes beside it, if any."""
     from ..topology import MultiBlock
+    from .layouts import map_path
 
     chosen, words = format_for(path, form, written=True)
     if not isinstance(grid, MultiBlock):
@@ -169,7 +173,6 @@ def _prepared(
     if chosen.names:
         return chosen, words, blocks, None
     from . import nmf_text
-    from .layouts import map_path
 
     beside = nmf_text.encode(grid)
     check_target(map_path(path))

@@ -298,6 +298,13 @@ def test_names_of_blocks_come_back_or_are_refused_before_anything_is_written(tmp
     assert gg.read(tmp_path / "grid.xyz", layout=True).names == (name,)
 
 
+def test_a_map_beside_a_new_grid_is_told(tmp_path, capsys):
+    turned().write(tmp_path / "a.xyz")
+    assert not capsys.readouterr().err
+    SQUARE.write(tmp_path / "a.xyz")
+    assert "a.nmf lies beside and is kept" in capsys.readouterr().err
+
+
 def test_conversion_keeps_what_a_file_of_one_block_tells(tmp_path):
     around = ring(np.linspace(0, 2 * np.pi, 9), 1.0, 3.0, 5)
     layout = gg.MultiBlock([around], [gg.Connection((0, "left"), (0, "right"))], boundaries={"far field": [(0, "top")]})

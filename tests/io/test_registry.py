@@ -123,7 +123,8 @@ def test_convert_and_the_list(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     TWO.write("two.xyz")
     done = CliRunner().invoke(main, ["convert", "two.xyz", "two.vtm"])
-    assert (done.exit_code, done.output) == (0, "wrote two.vtm: 2 blocks of 5 x 4, 4 x 4 nodes\n")
+    assert done.exit_code == 0
+    assert done.output.endswith("wrote two.vtm: 2 blocks of 5 x 4, 4 x 4 nodes\n")
     assert gg.read("two.vtm") == TWO
     assert CliRunner().invoke(main, ["convert", "two.xyz", "two.any", "--to", "p3d"]).exit_code == 2
     done = CliRunner().invoke(main, ["convert", "two.xyz", "two.csv"])
