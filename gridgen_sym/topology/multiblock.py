@@ -8,6 +8,7 @@ from os import PathLike
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array, Mask
 from ..errors import GridgenError, quoted
@@ -36,7 +37,7 @@ class MultiBlock:
         bonds: what is connected, part by part.
         boundaries: parts of the outer boundary by name, such as `wall` or `farfield`.
         copies: the nodes with several copies.
-        outer: for each block the mask (ni, nj) of nodes on the outer boundary, of zeros and ones.
+        outer: for each block an array (ni, nj) that is true at nodes on the outer boundary.
     """
 
     blocks: tuple[Grid, ...]
@@ -44,7 +45,7 @@ class MultiBlock:
     bonds: tuple[Bond, ...]
     boundaries: Mapping[str, tuple[SidePart, ...]]
     copies: Copies
-    outer: tuple[Mask, ...]
+    outer: tuple[NDArray[np.bool_], ...]
 
     def __init__(
         self,
@@ -83,7 +84,7 @@ class MultiBlock:
             ("bonds", bonds),
             ("boundaries", parts),
             ("copies", copies),
-            ("outer", tuple(outer)),
+            ("outer", tuple(mask.astype(bool) for mask in outer)),
         ):
             object.__setattr__(self, name, value)
 

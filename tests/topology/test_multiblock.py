@@ -26,6 +26,8 @@ def test_blocks_that_touch_are_connected():
     # Four blocks meet at two nodes.
     assert sorted(layout.copies.counts.tolist())[-3:] == [2, 4, 4]
     assert sum(int(mask.sum()) for mask in layout.outer) == 2 * (13 + 17) - 4 + 2 * 3
+    # It selects nodes, as a mask of NumPy does.
+    assert len(layout.blocks[0].xy[layout.outer[0]]) == layout.outer[0].sum()
 
 
 def test_blocks_may_be_turned():

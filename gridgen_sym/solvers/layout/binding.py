@@ -134,7 +134,7 @@ def _of_block(given: Any, layout: MultiBlock, name: str) -> Any:  # noqa: ANN401
 
 def _masks(layout: MultiBlock, fixed: Mapping[str, npt.ArrayLike] | None) -> list[Mask]:
     """Return for each block the nodes that do not move; all copies of a node alike."""
-    masks = [mask.copy() for mask in layout.outer]
+    masks = [mask.astype(np.uint8) for mask in layout.outer]
     if fixed is not None and not isinstance(fixed, Mapping):
         raise GridgenError(
             f"fixed of several blocks maps names of blocks to masks, such as {{{layout.names[0]!r}: mask}}; came "
