@@ -23,7 +23,7 @@ from gridgen_sym.resources import resource_folder
 
 ROOT = Path(gridgen_sym.__file__).parents[1]
 #: Modules that are loaded where something is derived, and that have no part in what is derived.
-WITHOUT_INFLUENCE = {"arrays", "atomic", "cache", "errors", "messages", "parsing", "resources", "startup"}
+WITHOUT_INFLUENCE = {"arrays", "atomic", "cache", "errors", "later", "messages", "parsing", "resources", "startup"}
 
 
 @pytest.fixture(autouse=True)

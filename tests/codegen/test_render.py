@@ -63,7 +63,7 @@ def test_every_compiler_reads_committed_c_without_a_warning(path, compiler, tmp_
 
 @pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("part", [None, *(macro for macro, _ in PARTS)])
+@pytest.mark.parametrize("part", [None, *(macro for macro, _ in PARTS if macro != "MIXED")])  # Not committed.
 @pytest.mark.parametrize("name", ["winslow", "area_winslow_regularized", "area_differentiated"])
 def test_parts_compile_without_a_warning_of_either_compiler(name, part, compiler, tmp_path):
     """A part leaves much unused; Clang warns of unused inline functions, and GCC of unused static ones."""
