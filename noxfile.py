@@ -19,8 +19,10 @@ COMPATIBILITY = (
     "tests/solvers/test_optimize.py",
     "tests/solvers/test_layouts.py",
     "tests/topology/test_multiblock.py",
-    "tests/io",
-    "tests/plotting",
+    "tests/io/test_files.py",
+    "tests/io/test_registry.py",
+    "tests/io/test_cgns.py",
+    "tests/plotting/test_grids.py",
 )
 
 #: What SymPy derives and classifies, each kind of it once.

@@ -27,7 +27,9 @@ NO_HEADERS: Mapping[str, str] = {}
 _WITHOUT = "GRIDGEN_SYM_BACKEND=numpy works without a compiler."
 
 
-def open_library(name: str, source: str, part: str = "", headers: Mapping[str, str] = NO_HEADERS) -> ctypes.CDLL:
+def open_library(
+    name: str, source: str, part: str = "", headers: Mapping[str, str] = NO_HEADERS, *, marked: bool = False
+) -> ctypes.CDLL:
     """Load the shared library of a C source, which is compiled now or found in the cache.
 
     Args:
@@ -35,11 +37,12 @@ def open_library(name: str, source: str, part: str = "", headers: Mapping[str, s
         source: the C source.
         part: what part of it this is, for the user.
         headers: texts of the files that it may include, by name.
+        marked: whether the loops that matter are marked as vectors for OpenMP.
 
     Raises:
         GridgenError: as for `compile_library`; or if the system does not let the library be loaded.
     """
-    library = compile_library(name, source, part, headers)
+    library = compile_library(name, source, part, headers, marked=marked)
     try:
         with threads_that_sleep():
             return ctypes.CDLL(str(library))
@@ -50,7 +53,9 @@ def open_library(name: str, source: str, part: str = "", headers: Mapping[str, s
         ) from error
 
 
-def compile_library(name: str, source: str, part: str = "", headers: Mapping[str, str] = NO_HEADERS) -> Path:
+def compile_library(
+    name: str, source: str, part: str = "", headers: Mapping[str, str] = NO_HEADERS, *, marked: bool = False
+) -> Path:
     """Return the shared library of a C source, compiled now or found in the cache; arguments as for `open_library`.
 
     Raises:
@@ -59,23 +64,23 @@ def compile_library(name: str, source: str, part: str = "", headers: Mapping[str
     compiler = find_compiler()
     if compiler is None:
         raise GridgenError("no C compiler was found: install one (cc, gcc or clang), set CC, or use the NumPy backend")
-    placeholder = compiler.command(Path("source.c"), Path("library"))
+    placeholder = compiler.command(Path("source.c"), Path("library"), marked=marked)
     stem = f"{name}-{digest(source, *chain(*headers.items()), *placeholder, compiler.version, _processor())}"
     library = find_kept(stem, ".so")
     if library is None:
         report(f"compiling the kernels of {name}{f': {part}' if part else ''} (once per machine) ...")
-        library = keep(stem, ".so", _build(compiler, name, source, headers))
+        library = keep(stem, ".so", _build(compiler, name, source, headers, marked))
     return library
 
 
-def _build(compiler: Compiler, name: str, source: str, headers: Mapping[str, str]) -> bytes:
+def _build(compiler: Compiler, name: str, source: str, headers: Mapping[str, str], marked: bool) -> bytes:
     """Return the content of a shared library."""
     try:
         with tempfile.TemporaryDirectory(prefix="gridgen_sym-build-") as folder:
             code, built = Path(folder) / f"{name}.c", Path(folder) / f"{name}.so"
             for file, text in {code.name: source, **headers}.items():
                 (code.parent / file).write_text(text, encoding="utf-8")
-            result = run(compiler.command(code, built), min(_COMPILE_SECONDS, seconds_left()))
+            result = run(compiler.command(code, built, marked=marked), min(_COMPILE_SECONDS, seconds_left()))
             if result is None:
                 seconds_left()  # Raises if it was the run's deadline that ended the compiler.
             _check(compiler, name, result)

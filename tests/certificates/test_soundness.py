@@ -142,7 +142,6 @@ def test_nothing_is_proved_that_a_known_grid_refutes(kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("block", range(1, 4))
-def test_nothing_is_proved_that_many_known_grids_refute(block, kind):
-    for seed in range(40 * block, 40 * (block + 1)):
+def test_nothing_is_proved_that_many_known_grids_refute(kind):
+    for seed in range(40, 80):
         assert_sound(seed, kind, budget=1500)

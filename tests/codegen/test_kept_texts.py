@@ -226,6 +226,7 @@ def program(*arguments, folder=None, cache):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     environment = os.environ | {"GRIDGEN_SYM_CACHE": str(cache), "PYTHONPATH": str(folder or ROOT)}
     environment.pop("GRIDGEN_SYM_QUIET", None)
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"  # A file that is edited within a second may keep its date and size.
     told = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", "gridgen_sym", *arguments],
         capture_output=True,

@@ -15,7 +15,7 @@ FOLDER = resource_folder("generated") / "c"
 LOOPS = (FOLDER / "loops.h").read_text(encoding="utf-8").splitlines()
 FLAGS = (
     "-std=c99",
-    "-O3",
+    "-O2",
     "-march=x86-64-v3",
     "-ffp-contract=fast",
     "-fno-math-errno",
@@ -80,9 +80,8 @@ def missed(path, vectorized):
     return [mark for mark in sorted(marked_loops(path)) if not places_of(mark) & vectorized]
 
 
-@pytest.mark.parametrize("name", ["area_winslow_differentiated", "winslow_regularized"])
-def test_marked_loops_are_vectorized(name):
-    path = FOLDER / f"{name}.c"
+def test_marked_loops_are_vectorized():
+    path = FOLDER / "area_winslow_differentiated.c"
     assert len(marked_loops(path)) >= 15
     assert missed(path, vectorized_lines(path)) == []
 

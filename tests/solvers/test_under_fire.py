@@ -126,7 +126,7 @@ def test_a_roomy_boundary_gives_a_valid_grid_or_a_proof(size, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(49))
+@pytest.mark.parametrize("seed", range(0, 49, 2))
 def test_a_thin_band_gives_a_valid_grid_or_a_proof(seed):
     """One of every size. Of a few in a thousand bands only this is proved, that every grid has a sliver."""
     ni, nj = 3 + seed % 7, 3 + seed // 7

@@ -43,7 +43,9 @@ def load(facts: KernelFacts, source: str) -> Mapping[str, Function]:
     functions: dict[str, Function] = {}
     for (part, described), names in PARTS.items():
         text = part_of(source, part)
-        library = cache(lambda text=text, described=described: open_library(facts.name, text, described, headers()))
+        library = cache(
+            lambda text=text, described=described: open_library(facts.name, text, described, headers(), marked=True)
+        )
         available = [name for name in names if name in facts.functions]
         if part == "ENERGY" and available:
             library()
