@@ -137,11 +137,6 @@ def test_there_are_files_of_nasa():
     assert len(FILES) >= 5
 
 
-def tiered(path):
-    """A C-grid with walls takes seconds."""
-    return pytest.param(path, id=path.stem, marks=[pytest.mark.slow] if path.stem == "n0012_113-33" else [])
-
-
 def heights(layout):
     """The first heights at the walls of a file of NASA."""
     found = []
@@ -153,7 +148,8 @@ def heights(layout):
     return np.concatenate(found)
 
 
-@pytest.mark.parametrize("path", [tiered(path) for path in FILES if path.stem != "n4412_225-65"])
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem != "n4412_225-65"], ids=lambda path: path.stem)
 def test_grids_of_nasa_are_smoothed_with_walls_as_one_grid(tmp_path, path):
     layout = gg.read(path, layout=True)
     first = float(np.median(heights(layout)))

@@ -249,6 +249,7 @@ def test_a_ragged_mask_is_refused(solve):
 # ---- grids at the edge of what numbers can hold ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["length", "winslow", "liao"])
 @each_solver
 def test_a_huge_grid_is_solved(solve, name):

@@ -114,6 +114,7 @@ def search_of(seed):
     return begin_search(problem, functional("winslow"), start.planes, None, Progress("rough", show=False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("strategy", "seed"), [(ExpectedSpacing(), 74), (PowersOfSpacing(16, 165), 14)])
 def test_relative_to_the_expected_spacing_all_cells_unfold_together(strategy, seed):
     """One epsilon for all cells leaves folds of these."""

@@ -42,6 +42,7 @@ def test_turns_are_held_by_the_nodes_that_symmetry_asks_for(at):
     assert result.energy < gg.optimize(roof(8), "winslow", slide="all").energy * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_nodes_stay_at_turns_where_that_is_best_or_was_asked():
     result = gg.optimize(roof(8), "winslow", slide="all")
     np.testing.assert_allclose(result.grid.xy[8, 0], [0.5, 0.25], atol=1e-12)
