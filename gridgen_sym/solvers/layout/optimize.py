@@ -27,7 +27,7 @@ from ..run.progress import Callback, Progress
 from ..run.result import Result
 from ..run.status import Outcome, Status
 from ..run.stopping import run_to_result
-from .binding import blocks_of, logical_rectangles, make_layout_problem
+from .binding import logical_rectangles, make_layout_problem
 from .merged import (
     begins_from_sides,
     is_one_grid,
@@ -43,7 +43,7 @@ from .relaxation import LayoutSweeps
 from .result import LayoutResult
 from .run import REGULARIZED, begin_run
 from .untangle import NO_PROGRESS, untangle_blocks
-from .walls import LayoutWalls, minimize_with_walls, walled_start, walls_of_blocks
+from .walls import LayoutWalls, minimize_with_walls, walled_start, walls_or_target
 
 #: Factors by which the gradient must fall, as for one block.
 _TOLERANCE, _TO_TARGET = 1e-6, 1e-12
@@ -96,11 +96,7 @@ def optimize_layout(
         tolerance = _TO_TARGET if target is not None and method == "newton" else _TOLERANCE
     check_controls(tolerance, max_iterations, callback, time_limit)
     definition = find_functional(functional)
-    asked = None if walls is None else walls_of_blocks(grid, walls)
-    if asked is not None and target is not None:
-        raise GridgenError("walls become a target: give walls or a target, not both")
-    if isinstance(target, MultiBlock):
-        target = blocks_of(grid, target)
+    asked, target = walls_or_target(grid, walls, target)
 
     def make(on: MultiBlock, target: object = target) -> LayoutProblem:
         return make_layout_problem(

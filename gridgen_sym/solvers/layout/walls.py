@@ -23,6 +23,7 @@ from ...topology import MultiBlock
 from ..multilevel.wall_continuation import WallContinuation
 from ..run.progress import Progress
 from ..run.status import Outcome
+from .binding import blocks_of
 from .problem import LayoutProblem
 from .run import LayoutRun
 from .wall_corrections import WallCorrections
@@ -50,6 +51,22 @@ def walls_of_blocks(layout: MultiBlock, walls: LayoutWalls) -> dict[str, Sides[W
             if wall is not None:
                 _check_outer(layout, name, side, wall)
     return found
+
+
+def walls_or_target(
+    layout: MultiBlock,
+    walls: LayoutWalls | None,
+    target: Any,  # noqa: ANN401 - what a solver takes as its target
+) -> tuple[dict[str, Sides[Wall | None]] | None, Any]:
+    """Return the walls of blocks, checked, and the target; that of a layout is a mapping from names to its blocks.
+
+    Raises:
+        GridgenError: if both are given, as for `walls_of_blocks`, or for a reference with blocks of other shapes.
+    """
+    asked = None if walls is None else walls_of_blocks(layout, walls)
+    if asked is not None and target is not None:
+        raise GridgenError("walls become a target: give walls or a target, not both")
+    return asked, blocks_of(layout, target) if isinstance(target, MultiBlock) else target
 
 
 def _by_block(layout: MultiBlock, walls: object) -> dict[str, dict[Any, Any]]:

@@ -19,14 +19,14 @@ from ....functionals.registry import functional as find_functional
 from ....grids import Grid
 from ....topology import MultiBlock
 from ....topology.merging import merge
-from ...layout.binding import blocks_of, logical_rectangles, make_layout_problem
+from ...layout.binding import logical_rectangles, make_layout_problem
 from ...layout.merged import is_one_grid, names_place, of_all_blocks
 from ...layout.nested import NestedLayouts
 from ...layout.problem import LayoutProblem
 from ...layout.result import LayoutResult
 from ...layout.run import REGULARIZED, LayoutRun, begin_run
 from ...layout.untangle import NO_PROGRESS, untangle_blocks
-from ...layout.walls import LayoutWalls, minimize_with_walls, walled_start, walls_of_blocks
+from ...layout.walls import LayoutWalls, minimize_with_walls, walled_start, walls_or_target
 from ...logical import Spacing
 from ...newton.minimize import minimize
 from ...run.checks import check_controls
@@ -101,12 +101,8 @@ def solve_layout_euler_lagrange(
             return of_all_blocks(partial(of_one_block, block, definition, method, **given), grid, merged)
     if method not in ("newton", "relaxation"):
         raise GridgenError(f"unknown method {quoted(method)}: solve_euler_lagrange takes 'newton' or 'relaxation'")
-    asked = None if walls is None else walls_of_blocks(grid, walls)
-    if asked is not None and target is not None:
-        raise GridgenError("walls become a target: give walls or a target, not both")
+    asked, target = walls_or_target(grid, walls, target)
     home, rectangles = [block.shape for block in grid.blocks], logical_rectangles(grid, spacing)
-    if isinstance(target, MultiBlock):
-        target = blocks_of(grid, target)
 
     def make(on: MultiBlock, target: object = target) -> LayoutProblem:
         return make_layout_problem(
